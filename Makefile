@@ -1,0 +1,59 @@
+# heartgen from a fresh Debian 12: `make demo` goes from a CT to a report, `make test` runs the tests.
+# Everything is installed and built on the way; a second call does no work twice.
+
+BUILD := build/release
+HEARTGEN := $(BUILD)/bin/heartgen
+# One compiler needs up to 3 GB: as many jobs as processors, but no more than the memory can hold.
+JOBS := $(shell n=$$(nproc); m=$$(awk '/MemAvailable/ {print int($$2 / 3000000)}' /proc/meminfo); \
+          [ $$m -lt 1 ] && m=1; [ $$n -lt $$m ] && echo $$n || echo $$m)
+
+# Phantom of the demo: a thorax at the resolution that the README quotes.
+DEMO_SIZE := 256,256,160
+DEMO_SPACING := 1.4,1.4,1.9
+
+.PHONY: all demo test bench asan format clean
+all: $(HEARTGEN)
+
+build/packages.stamp: .ci/install-packages
+	.ci/install-packages
+	@mkdir -p build && touch $@
+
+$(BUILD)/build.ninja: build/packages.stamp CMakePresets.json
+	cmake --preset release
+
+# Ninja knows what is up to date.
+.PHONY: compile
+compile: $(BUILD)/build.ninja
+	cmake --build --preset release --parallel $(JOBS)
+$(HEARTGEN): compile ;
+
+demo/phantom/recipe.toml: $(HEARTGEN)
+	$(HEARTGEN) phantom demo/phantom --size $(DEMO_SIZE) --spacing $(DEMO_SPACING)
+
+demo/bundle/manifest.json: demo/phantom/recipe.toml $(HEARTGEN)
+	$(HEARTGEN) build demo/phantom/recipe.toml --output demo/bundle --force
+
+demo/export/markers.stamp: demo/bundle/manifest.json
+	rm -rf demo/export
+	$(HEARTGEN) export demo/bundle --to vtk,msh,xdmf --output demo/export
+	@touch $@
+
+demo: demo/export/markers.stamp
+	$(HEARTGEN) validate demo/bundle --reference-labels demo/phantom/truth/labels.nii.gz --reference-fibers demo/phantom/truth
+	@echo
+	@echo "Bundle: demo/bundle    Exports: demo/export"
+	@echo "Open the report in a browser: demo/bundle/validation/report.html"
+
+test: compile
+	ctest --preset release
+
+asan: build/packages.stamp
+	cmake --preset asan
+	cmake --build --preset asan --parallel $(JOBS)
+	ctest --preset asan
+
+format:
+	clang-format -i $$(git ls-files '*.hpp' '*.cpp')
+
+clean:
+	rm -rf $(BUILD) build/asan demo

@@ -1,0 +1,286 @@
+#include "model/recipe.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "model/error.hpp"
+#include "model/labels.hpp"
+#include "model/text.hpp"
+
+namespace heart {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- reading ----
+
+bool assign(const toml::node& node, std::string& value) {
+  if (const auto* text = node.as_string()) return value = text->get(), true;
+  return false;
+}
+bool assign(const toml::node& node, int& value) {
+  if (const auto* number = node.as_integer()) return value = static_cast<int>(number->get()), true;
+  return false;
+}
+bool assign(const toml::node& node, double& value) {
+  if (const auto number = node.value<double>(); number && node.is_number()) return value = *number, true;
+  return false;
+}
+template <class T>
+bool assign(const toml::node& node, std::vector<T>& values) {
+  const auto* array = node.as_array();
+  if (!array) return false;
+  values.clear();
+  for (const auto& element : *array)
+    if (!assign(element, values.emplace_back())) return false;
+  return true;
+}
+bool assign(const toml::node& node, Vec3& value) {
+  std::vector<double> numbers;
+  if (!assign(node, numbers) || numbers.size() != 3) return false;
+  value = {numbers[0], numbers[1], numbers[2]};
+  return true;
+}
+
+const char* expected(const std::string&) { return "a text in quotes"; }
+const char* expected(int) { return "a whole number"; }
+const char* expected(double) { return "a number"; }
+const char* expected(const std::vector<std::string>&) { return "a list of texts"; }
+const char* expected(const std::vector<int>&) { return "a list of whole numbers"; }
+const char* expected(const Vec3&) { return "three numbers [x, y, z] in LPS mm"; }
+
+std::string place(const std::string& path, const toml::node& node) {
+  return fmt::format("{}:{}", path, node.source().begin.line);
+}
+
+/// Takes keys out of one table; what is left over at the end is unknown.
+struct Section {
+  const toml::table& table;
+  std::string path;  // of the recipe
+  std::string name;  // "epicardium", "" for the top level
+  std::vector<std::string> known{};
+
+  std::string full(const std::string& key) const { return name.empty() ? key : name + "." + key; }
+
+  template <class T>
+  void take(const std::string& key, T& value) {
+    known.push_back(key);
+    const auto* node = table.get(key);
+    if (node && !assign(*node, value))
+      throw UserError(fmt::format("key \"{}\" must be {}", full(key), expected(value)), place(path, *node),
+                      "correct the recipe");
+  }
+
+  const toml::table* subtable(const std::string& key) {
+    known.push_back(key);
+    const auto* node = table.get(key);
+    if (!node) return nullptr;
+    if (!node->is_table())
+      throw UserError(fmt::format("\"{}\" must be a section", full(key)), place(path, *node),
+                      "write [" + full(key) + "]");
+    return node->as_table();
+  }
+
+  void refuse_unknown() const {
+    for (const auto& [key, node] : table) {
+      const std::string text(key.str());
+      if (std::find(known.begin(), known.end(), text) == known.end())
+        throw UserError(fmt::format("unknown key \"{}\"", full(text)), place(path, node),
+                        fmt::format("did you mean \"{}\"?", nearest_name(text, known)));
+    }
+  }
+};
+
+template <class Settings>
+void read_settings(const toml::table& table, const std::string& path, const std::string& name, Settings& settings) {
+  Section section{table, path, name};
+  Settings::describe([&](const char* key, auto& value, const char*) { section.take(key, value); }, settings);
+  section.refuse_unknown();
+}
+
+template <class Settings>
+void read_section(Section& top, const std::string& name, Settings& settings) {
+  if (const auto* table = top.subtable(name)) read_settings(*table, top.path, name, settings);
+}
+
+void read_valve(const toml::table& table, const std::string& path, const std::string& name, ValvePlane& valve) {
+  Section section{table, path, "landmarks.valves." + name};
+  section.take("center_mm", valve.center_mm);
+  section.take("normal", valve.normal);
+  section.take("radius_mm", valve.radius_mm);
+  section.refuse_unknown();
+}
+
+void read_landmark_section(Section& top, Landmarks& landmarks) {
+  const auto* table = top.subtable("landmarks");
+  if (!table) return;
+  Section section{*table, top.path, "landmarks"};
+  if (const auto* seeds = section.subtable("seeds_mm"))
+    for (const auto& [key, node] : *seeds) {
+      Section seed{*seeds, top.path, "landmarks.seeds_mm"};
+      seed.take(std::string(key.str()), landmarks.seeds_mm[std::string(key.str())]);
+    }
+  if (const auto* valves = section.subtable("valves"))
+    for (const auto& [key, node] : *valves) {
+      if (!node.is_table())
+        throw UserError("a valve must be a section", place(top.path, node), "write [landmarks.valves.mitral]");
+      read_valve(*node.as_table(), top.path, std::string(key.str()), landmarks.valves[std::string(key.str())]);
+    }
+  Vec3 apex;
+  section.take("lv_apex_mm", apex);
+  if (table->contains("lv_apex_mm")) landmarks.lv_apex_mm = apex;
+  section.refuse_unknown();
+}
+
+void read_steps(Section& top, std::vector<SegmentationStep>& steps) {
+  top.known.emplace_back("segmentation");
+  const auto* node = top.table.get("segmentation");
+  if (!node) return;
+  const auto* array = node->as_array();
+  if (!array)
+    throw UserError("\"segmentation\" must be a list of steps", place(top.path, *node),
+                    "write [[segmentation]] per step");
+  steps.clear();
+  for (const auto& element : *array) {
+    if (!element.is_table())
+      throw UserError("a segmentation step must be a section", place(top.path, element), "write [[segmentation]]");
+    read_settings(*element.as_table(), top.path, "segmentation", steps.emplace_back());
+  }
+}
+
+void resolve(std::string& file, const fs::path& folder) {
+  if (!file.empty() && fs::path(file).is_relative()) file = (folder / file).lexically_normal().string();
+}
+
+// ---- writing ----
+
+std::string toml_text(const std::string& value) {
+  std::string text = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') text += '\\';
+    if (static_cast<unsigned char>(c) < 0x20)
+      text += fmt::format("\\u{:04x}", static_cast<int>(c));
+    else
+      text += c;
+  }
+  return text + "\"";
+}
+std::string toml_text(int value) { return std::to_string(value); }
+std::string toml_text(double value) { return number_text(value); }
+std::string toml_text(const Vec3& v) {
+  return fmt::format("[{}, {}, {}]", number_text(v.x), number_text(v.y), number_text(v.z));
+}
+template <class T>
+std::string toml_text(const std::vector<T>& values) {
+  std::string text = "[";
+  for (const auto& value : values) text += (text.size() > 1 ? ", " : "") + toml_text(value);
+  return text + "]";
+}
+
+template <class Settings>
+std::string settings_text(const std::string& header, const Settings& settings) {
+  std::string text = "\n" + header + "\n";
+  Settings::describe(
+      [&](const char* key, const auto& value, const char* meaning) {
+        text += fmt::format("{} = {}  # {}\n", key, toml_text(value), meaning);
+      },
+      settings);
+  return text;
+}
+
+std::string landmarks_text(const Landmarks& landmarks) {
+  std::string text = "\n[landmarks]\n";
+  if (landmarks.lv_apex_mm) text += "lv_apex_mm = " + toml_text(*landmarks.lv_apex_mm) + "\n";
+  text += "\n[landmarks.seeds_mm]\n";
+  for (const auto& [name, point] : landmarks.seeds_mm) text += name + " = " + toml_text(point) + "\n";
+  for (const auto& [name, valve] : landmarks.valves)
+    text += fmt::format("\n[landmarks.valves.{}]\ncenter_mm = {}\nnormal = {}\nradius_mm = {}\n", name,
+                        toml_text(valve.center_mm), toml_text(valve.normal), toml_text(valve.radius_mm));
+  return text;
+}
+
+InputSettings without_folders(InputSettings input) {
+  InputSettings::describe(
+      [](const char*, std::string& value, const char*) { value = fs::path(value).filename().string(); }, input);
+  return input;
+}
+
+}  // namespace
+
+std::vector<SegmentationStep> default_segmentation() {
+  SegmentationStep body{.name = "body", .mu = 0};
+  SegmentationStep soft{.name = "soft", .domain = "body.above", .mu = 0.05};
+  SegmentationStep blood{.name = "blood", .domain = "soft.above", .mu = 0.1};
+  return {body, soft, blood};
+}
+
+Recipe read_recipe(const std::string& path) {
+  if (!fs::is_regular_file(path)) throw UserError("recipe does not exist", path, "check the path");
+  toml::table table;
+  try {
+    table = toml::parse_file(path);
+  } catch (const toml::parse_error& error) {
+    throw UserError(fmt::format("not valid TOML: {}", error.description()),
+                    fmt::format("{}:{}", path, error.source().begin.line), "correct the recipe");
+  }
+  Recipe recipe;
+  recipe.segmentation = default_segmentation();
+  Section top{table, path, ""};
+  for (auto [key, value] : {std::pair{"name", &recipe.name},
+                            {"version", &recipe.version},
+                            {"license", &recipe.license},
+                            {"author", &recipe.author},
+                            {"date_published", &recipe.date_published}})
+    top.take(key, *value);
+  read_section(top, "input", recipe.input);
+  const fs::path folder = fs::path(path).parent_path();
+  InputSettings::describe([&](const char*, std::string& file, const char*) { resolve(file, folder); }, recipe.input);
+  if (!recipe.input.landmarks.empty()) recipe.landmarks = read_landmarks(recipe.input.landmarks);
+  read_landmark_section(top, recipe.landmarks);
+  check_landmarks(recipe.landmarks, path);
+  read_section(top, "denoise", recipe.denoise);
+  read_steps(top, recipe.segmentation);
+  read_section(top, "chambers", recipe.chambers);
+  read_section(top, "epicardium", recipe.epicardium);
+  read_section(top, "mesh", recipe.mesh);
+  read_section(top, "fibers", recipe.fibers);
+  read_section(top, "validation", recipe.validation);
+  top.refuse_unknown();
+  return recipe;
+}
+
+std::string write_recipe(const Recipe& recipe, bool file_names_only) {
+  std::string text = "# heartgen recipe, every setting written out. Lengths in mm, grey values in Hounsfield units.\n";
+  for (const auto& [key, value] : {std::pair{"name", recipe.name},
+                                   {"version", recipe.version},
+                                   {"license", recipe.license},
+                                   {"author", recipe.author},
+                                   {"date_published", recipe.date_published}})
+    text += fmt::format("{} = {}\n", key, toml_text(value));
+  // The landmarks follow in full; a copied file name would be read again on top of them.
+  InputSettings input = file_names_only ? without_folders(recipe.input) : recipe.input;
+  input.landmarks.clear();
+  text += settings_text("[input]", input);
+  for (const char* section :
+       {"landmarks", "denoise", "segmentation", "chambers", "epicardium", "mesh", "fibers", "validation"})
+    text += recipe_section(recipe, section);
+  return text;
+}
+
+std::string recipe_section(const Recipe& recipe, std::string_view section) {
+  if (section == "landmarks") return landmarks_text(recipe.landmarks);
+  if (section == "denoise") return settings_text("[denoise]", recipe.denoise);
+  if (section == "chambers") return settings_text("[chambers]", recipe.chambers);
+  if (section == "epicardium") return settings_text("[epicardium]", recipe.epicardium);
+  if (section == "mesh") return settings_text("[mesh]", recipe.mesh);
+  if (section == "fibers") return settings_text("[fibers]", recipe.fibers);
+  if (section == "validation") return settings_text("[validation]", recipe.validation);
+  std::string text;
+  for (const auto& step : recipe.segmentation) text += settings_text("[[segmentation]]", step);
+  return text;
+}
+
+}  // namespace heart

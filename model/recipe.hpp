@@ -1,0 +1,216 @@
+// Every setting of a build, with its unit and default: the user's interface. A recipe is a TOML file; this header
+// is the one place where its keys are declared. `describe` lists the keys of each section, so that reading, checking
+// (unknown keys, wrong types) and writing the resolved recipe all follow from it.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/landmarks.hpp"
+
+namespace heart {
+
+struct InputSettings {
+  std::string ct;         // CT volume: .nii[.gz], .nrrd, .mhd, .mha, or a folder with one DICOM series
+  std::string atlas;      // fibre atlas (.vtk or .vtu with point or cell vectors); empty: the built-in stand-in
+  std::string labels;     // label map that replaces the segmentation; empty: segment the CT
+  std::string landmarks;  // JSON file with seeds and valve planes; the [landmarks] section overrides it
+  std::string carotid;    // separate angiogram for the carotid mesh; empty: none
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("ct", s.ct, "CT volume: NIfTI, NRRD, MetaImage, or a folder with one DICOM series");
+    v("atlas", s.atlas, "fibre atlas (.vtk, .vtu); empty: the built-in stand-in atlas");
+    v("labels", s.labels, "label map that replaces the segmentation; empty: segment the CT");
+    v("landmarks", s.landmarks, "JSON file with seeds and valve planes");
+    v("carotid", s.carotid, "angiogram for the carotid mesh; empty: none");
+  }
+};
+
+/// Edge-preserving smoothing before segmentation (thesis 3.2, Perona-Malik).
+struct DenoiseSettings {
+  int iterations = 5;       // explicit steps; 0 switches the stage off
+  double time_step = 0.12;  // in units of the smallest voxel spacing squared, stable up to 1/6
+  double edge_hu = 60;      // contrast at which diffusion falls to a half
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("iterations", s.iterations, "explicit diffusion steps; 0: no denoising");
+    v("time_step", s.time_step, "in units of the smallest squared spacing, at most 1/6");
+    v("edge_hu", s.edge_hu, "contrast (HU) at which diffusion falls to a half");
+  }
+};
+
+/// One two-phase Chan-Vese split of the hierarchy (thesis 5.3, 5.4).
+struct SegmentationStep {
+  std::string name;            // other steps refer to its sides as "name.above" and "name.below"
+  std::string domain = "all";  // "all", or a side of an earlier step
+  std::string norm = "L1";     // fidelity: "L1" (medians) or "L2" (means)
+  double lambda = 1;           // weight of the fidelity, scaled by the contrast |c1 - c2|
+  double mu = 0.1;             // weight of the contour length
+  int smoothing = 0;           // steps of the heat equation applied to the image first
+  int max_iterations = 100;    // sweeps of the solver
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("name", s.name, "name of the step; its sides are name.above and name.below");
+    v("domain", s.domain, "\"all\" or a side of an earlier step, such as \"body.above\"");
+    v("norm", s.norm, "fidelity: \"L1\" (medians) or \"L2\" (means)");
+    v("lambda", s.lambda, "weight of the fidelity");
+    v("mu", s.mu, "weight of the contour length");
+    v("smoothing", s.smoothing, "steps of the heat equation applied first");
+    v("max_iterations", s.max_iterations, "sweeps of the solver at most");
+  }
+};
+
+/// Which sides of the tree mean what, and how blood is split into chambers (thesis 6.2).
+struct ChamberSettings {
+  std::string blood = "blood.above";   // side of the tree that holds the contrast-filled blood
+  std::string tissue = "body.above";   // side of the tree that is not air
+  std::string soft = "soft.above";     // side of the tree that holds muscle (and blood)
+  double heart_radius_mm = 85;         // nothing farther from the chambers' centre belongs to the heart
+  double vessel_length_mm = 45;        // aorta and pulmonary artery are followed this far from their valves
+  double close_trabeculae_mm = 0;      // closing of the blood pools; 0 keeps papillary muscles and trabeculae
+  double minimum_component_ml = 0.02;  // smaller islands are dropped
+  double vein_stump_mm = 15;           // veins and appendages stay with their atrium this far from its wide part
+  double papillary_closing_mm = 6;     // muscle in gaps of the ventricles' blood up to twice this wide is papillary
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("blood", s.blood, "side of the tree that holds the contrast-filled blood");
+    v("tissue", s.tissue, "side of the tree that is not air");
+    v("soft", s.soft, "side of the tree that holds muscle");
+    v("heart_radius_mm", s.heart_radius_mm, "nothing farther from the chambers' centre belongs to the heart");
+    v("vessel_length_mm", s.vessel_length_mm, "great vessels are followed this far from their valves");
+    v("close_trabeculae_mm", s.close_trabeculae_mm, "closing of the blood pools; 0 keeps trabeculae");
+    v("minimum_component_ml", s.minimum_component_ml, "smaller islands are dropped");
+    v("vein_stump_mm", s.vein_stump_mm, "veins and appendages stay with their atrium this far from its wide part");
+    v("papillary_closing_mm", s.papillary_closing_mm,
+      "muscle in gaps of the ventricles' blood up to twice this wide is papillary");
+  }
+};
+
+/// The epicardium as a minimal cut in the band around the cavities (thesis 7.2, problem 7.4, solved as the convex
+/// problem it is the steady state of).
+struct EpicardiumSettings {
+  double ventricle_band_mm = 22;  // L of thesis 7.2 for the ventricles
+  double atrium_band_mm = 6;      // L for the atria
+  double muscle_hu = 100;         // the image is clipped here before its gradient is taken
+  double edge_hu_per_mm = 12;     // gradient at which the edge weight falls to a half
+  double minimum_lv_wall_mm = 3;
+  double minimum_rv_wall_mm = 2;
+  double minimum_atrial_wall_mm = 1.5;
+  int max_iterations = 600;
+  double duality_gap = 1e-3;  // relative; the solver stops below it
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("ventricle_band_mm", s.ventricle_band_mm, "width of the band around the ventricles' cavities");
+    v("atrium_band_mm", s.atrium_band_mm, "width of the band around the atria's cavities");
+    v("muscle_hu", s.muscle_hu, "the image is clipped at this grey value before its gradient is taken");
+    v("edge_hu_per_mm", s.edge_hu_per_mm, "gradient at which the edge weight falls to a half");
+    v("minimum_lv_wall_mm", s.minimum_lv_wall_mm, "least thickness of the left ventricular wall");
+    v("minimum_rv_wall_mm", s.minimum_rv_wall_mm, "least thickness of the right ventricular wall");
+    v("minimum_atrial_wall_mm", s.minimum_atrial_wall_mm, "least thickness of the atrial walls");
+    v("max_iterations", s.max_iterations, "iterations of the primal-dual solver at most");
+    v("duality_gap", s.duality_gap, "relative duality gap at which the solver stops");
+  }
+};
+
+struct MeshSettings {
+  std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
+  double heart_edge_mm = 1.8;  // edge length in the walls of the heart
+  double blood_edge_mm = 4;    // in the chambers, away from the walls
+  double torso_edge_mm = 12;   // in the torso, away from the heart
+  double trachea_edge_mm = 1.6;
+  double carotid_edge_mm = 0.9;
+  double smoothing_mm = 0.8;  // the label map is smoothed by this much before surfaces are taken
+  double growth = 0.35;       // increase of the edge length per mm of distance from the heart
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("meshes", s.meshes, "which meshes to make");
+    v("heart_edge_mm", s.heart_edge_mm, "edge length in the walls of the heart");
+    v("blood_edge_mm", s.blood_edge_mm, "edge length in the chambers, away from the walls");
+    v("torso_edge_mm", s.torso_edge_mm, "edge length in the torso, away from the heart");
+    v("trachea_edge_mm", s.trachea_edge_mm, "edge length in the trachea");
+    v("carotid_edge_mm", s.carotid_edge_mm, "edge length in the carotid");
+    v("smoothing_mm", s.smoothing_mm, "smoothing of the label map before surfaces are taken");
+    v("growth", s.growth, "increase of the edge length per mm of distance from the heart");
+  }
+};
+
+struct FiberSettings {
+  std::string method = "local_angles";  // how atlas fibres are carried: "local_angles" or "jacobian" (thesis 9.2)
+  double grid_mm = 1.5;                 // spacing of the registration grid
+  double demons_sigma_mm = 2;           // smoothing of the displacement field
+  std::vector<int> demons_iterations = {60, 40, 15};  // per level, coarse to fine
+  int inpainting_iterations = 200;
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("method", s.method, "how atlas fibres are carried: \"local_angles\" or \"jacobian\"");
+    v("grid_mm", s.grid_mm, "spacing of the registration grid");
+    v("demons_sigma_mm", s.demons_sigma_mm, "smoothing of the displacement field");
+    v("demons_iterations", s.demons_iterations, "demons iterations per level, coarse to fine");
+    v("inpainting_iterations", s.inpainting_iterations, "iterations of the total variation inpainting");
+  }
+};
+
+/// Bounds of the certificate; a build whose rows break them still writes its bundle, `validate` exits with 3.
+struct ValidationSettings {
+  double minimum_dihedral_deg = 5;
+  double maximum_dihedral_deg = 175;
+  double minimum_jacobian = 0;
+  double maximum_inpainted_fraction = 0.5;
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("minimum_dihedral_deg", s.minimum_dihedral_deg, "smallest dihedral angle allowed");
+    v("maximum_dihedral_deg", s.maximum_dihedral_deg, "largest dihedral angle allowed");
+    v("minimum_jacobian", s.minimum_jacobian, "the warp's Jacobian must exceed this everywhere");
+    v("maximum_inpainted_fraction", s.maximum_inpainted_fraction, "share of ventricular nodes without atlas fibres");
+  }
+};
+
+struct Recipe {
+  std::string name = "heart";
+  std::string version = "1.0.0";
+  std::string license = "CC-BY-4.0";
+  std::string author;          // goes into CITATION.cff and RO-Crate
+  std::string date_published;  // YYYY-MM-DD; the only date in a bundle
+  InputSettings input;
+  Landmarks landmarks;
+  DenoiseSettings denoise;
+  std::vector<SegmentationStep> segmentation;  // default_segmentation() when the recipe gives none
+  ChamberSettings chambers;
+  EpicardiumSettings epicardium;
+  MeshSettings mesh;
+  FiberSettings fibers;
+  ValidationSettings validation;
+};
+
+/// The three splits of a contrast CT: air | body, fat | soft tissue, muscle | blood.
+std::vector<SegmentationStep> default_segmentation();
+
+/// Reads and checks a recipe; relative input paths are resolved against the recipe's folder.
+/// Throws UserError for a missing file, TOML syntax, unknown keys (with the nearest known one) and wrong types.
+Recipe read_recipe(const std::string& path);
+
+/// TOML text with every key written out, in a fixed order, with the meaning of each key as a comment.
+/// `file_names_only` drops the folders of the input paths (for the copy inside a bundle).
+std::string write_recipe(const Recipe& recipe, bool file_names_only);
+
+/// One section of it ("denoise", "segmentation", "chambers", "epicardium", "mesh", "fibers", "landmarks"): what a
+/// stage depends on.
+std::string recipe_section(const Recipe& recipe, std::string_view section);
+
+/// Seeds and planes from a JSON file as `heartgen phantom` and `heartgen landmarks` write it.
+Landmarks read_landmarks(const std::string& path);
+std::string write_landmarks(const Landmarks& landmarks);
+
+/// Throws UserError for seeds and valves of unknown name, and for planes without normal or radius.
+void check_landmarks(const Landmarks& landmarks, const std::string& where);
+
+}  // namespace heart

@@ -1,0 +1,59 @@
+// Tetrahedral mesh with regions, labelled faces, rims and fibres. Plain data; nodes in LPS mm.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "model/vec.hpp"
+
+namespace heart {
+
+using Cell = std::array<std::int32_t, 4>;  ///< node ids; det(n1-n0, n2-n0, n3-n0) > 0
+using Face = std::array<std::int32_t, 3>;  ///< node ids
+
+/// Orthonormal material axes. Signs are arbitrary: these are axes, not vectors. All three arrays have the same
+/// length (nodes or cells), or are empty.
+struct FiberField {
+  std::vector<Vec3> fiber;
+  std::vector<Vec3> sheet;
+  std::vector<Vec3> sheet_normal;
+};
+
+enum class FiberSource : std::uint8_t { none = 0, atlas = 1, inpainted = 2, rule = 3 };
+
+/// The curve where a labelled surface ends, as a set of nodes.
+struct Rim {
+  std::string name;                 ///< e.g. "mitral_orifice_rim"
+  std::int32_t tag = 0;             ///< 1000 + tag of the surface
+  std::vector<std::int32_t> nodes;  ///< ascending
+};
+
+struct TetMesh {
+  std::vector<Vec3> nodes_mm;
+  std::vector<Cell> cells;
+  std::vector<std::int32_t> region;  ///< per cell, tags of labels.hpp
+
+  std::vector<Face> faces;            ///< outer boundary and region interfaces, each face once
+  std::vector<std::int32_t> surface;  ///< per face, tags of labels.hpp; never 0
+  std::vector<Rim> rims;
+
+  FiberField node_fibers;                  ///< empty, or per node
+  FiberField cell_fibers;                  ///< empty, or per cell
+  std::vector<std::uint8_t> fiber_source;  ///< FiberSource per node; empty where there are no fibres
+
+  /// For a mesh cut out of a larger one of the same bundle (myocardium out of torso): ids there. Else empty.
+  std::vector<std::int32_t> parent_node;
+  std::vector<std::int32_t> parent_cell;
+};
+
+/// Signed volume of a cell in mm^3.
+inline double cell_volume_mm3(const TetMesh& mesh, const Cell& c) {
+  const auto& p = mesh.nodes_mm;
+  const Vec3 a = p[static_cast<std::size_t>(c[0])];
+  return dot(p[static_cast<std::size_t>(c[1])] - a,
+             cross(p[static_cast<std::size_t>(c[2])] - a, p[static_cast<std::size_t>(c[3])] - a)) /
+         6;
+}
+
+}  // namespace heart

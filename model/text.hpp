@@ -1,0 +1,22 @@
+// Words and numbers as text, the same in every locale.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace heart {
+
+/// The candidate with the smallest edit distance to `word`, for "did you mean ...?"; empty without candidates.
+std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
+
+/// Shortest text that reads back as the same double, always with a '.' or an exponent ("2.0", "0.35", "1e-07").
+std::string number_text(double value);
+
+/// The number that a text holds, whole. Throws UserError naming `where`.
+double parse_number(std::string_view text, const std::string& where);
+
+/// Writes a text file, byte for byte; makes the folder. Throws UserError when it cannot.
+void write_text(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace heart

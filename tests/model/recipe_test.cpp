@@ -1,0 +1,110 @@
+#include "model/recipe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "model/error.hpp"
+#include "support/data.hpp"
+
+namespace heart {
+namespace {
+
+std::string recipe_file(const std::string& text) {
+  const auto path = testing::scratch_folder("recipe") / "recipe.toml";
+  std::ofstream(path) << text;
+  return path.string();
+}
+
+UserError refusal(const std::string& text) {
+  try {
+    read_recipe(recipe_file(text));
+  } catch (const UserError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "accepted: " << text;
+  return {"", "", ""};
+}
+
+TEST(Recipe, EmptyRecipeHasTheDefaults) {
+  const Recipe recipe = read_recipe(recipe_file(""));
+  EXPECT_EQ(recipe.segmentation.size(), default_segmentation().size());
+  EXPECT_EQ(recipe.mesh.meshes.size(), 5U);
+}
+
+TEST(Recipe, UnknownKeyNamesTheNearestKnownOneAndItsLine) {
+  const UserError error = refusal("[mesh]\nheart_edge = 2.0\n");
+  EXPECT_NE(error.problem.find("mesh.heart_edge"), std::string::npos);
+  EXPECT_NE(error.remedy.find("heart_edge_mm"), std::string::npos);
+  EXPECT_NE(error.where.find("recipe.toml:2"), std::string::npos);
+}
+
+TEST(Recipe, UnknownSectionAndStepKeyAndSeedAreRefused) {
+  EXPECT_NE(refusal("[messh]\n").remedy.find("mesh"), std::string::npos);
+  EXPECT_NE(refusal("[[segmentation]]\nname = \"a\"\nlamda = 1\n").remedy.find("lambda"), std::string::npos);
+  EXPECT_NE(refusal("[landmarks.seeds_mm]\nlv_blod = [1, 2, 3]\n").remedy.find("lv_blood"), std::string::npos);
+  EXPECT_NE(
+      refusal("[landmarks.valves.mitrall]\ncenter_mm=[0,0,0]\nnormal=[0,0,1]\nradius_mm=9\n").remedy.find("mitral"),
+      std::string::npos);
+}
+
+TEST(Recipe, WrongTypesSayWhatIsExpected) {
+  EXPECT_NE(refusal("[denoise]\niterations = 1.5\n").problem.find("whole number"), std::string::npos);
+  EXPECT_NE(refusal("[mesh]\nmeshes = \"torso\"\n").problem.find("list of texts"), std::string::npos);
+  EXPECT_NE(refusal("name = 3\n").problem.find("text"), std::string::npos);
+  EXPECT_NE(refusal("[landmarks.seeds_mm]\nlv_blood = [1, 2]\n").problem.find("three numbers"), std::string::npos);
+}
+
+TEST(Recipe, BrokenTomlNamesTheLine) {
+  EXPECT_NE(refusal("name = \"a\"\n[mesh\n").where.find(":2"), std::string::npos);
+}
+
+TEST(Recipe, MissingFileIsAUserError) { EXPECT_THROW(read_recipe("no/such/recipe.toml"), UserError); }
+
+TEST(Recipe, InputPathsAreRelativeToTheRecipe) {
+  const auto path = recipe_file("[input]\nct = \"scan/ct.nrrd\"\natlas = \"/data/atlas.vtk\"\n");
+  const Recipe recipe = read_recipe(path);
+  EXPECT_EQ(recipe.input.ct, (std::filesystem::path(path).parent_path() / "scan/ct.nrrd").string());
+  EXPECT_EQ(recipe.input.atlas, "/data/atlas.vtk");
+}
+
+TEST(Recipe, WrittenRecipeReadsBackTheSame) {
+  Recipe recipe =
+      read_recipe(recipe_file("name = \"a \\\"b\\\"\"\n[mesh]\nheart_edge_mm = 1.25\n"
+                              "[landmarks.seeds_mm]\nlv_blood = [1, 2.5, -3]\n"
+                              "[landmarks.valves.aortic]\ncenter_mm=[1,2,3]\nnormal=[0,0,1]\nradius_mm=12\n"));
+  recipe.landmarks.lv_apex_mm = Vec3{0.1, 0.2, 0.3};
+  const std::string text = write_recipe(recipe, false);
+  const Recipe back = read_recipe(recipe_file(text));
+  EXPECT_EQ(write_recipe(back, false), text);
+  EXPECT_EQ(back.landmarks.valves.at("aortic").radius_mm, 12);
+  EXPECT_EQ(back.landmarks.seeds_mm.at("lv_blood"), (Vec3{1, 2.5, -3}));
+  EXPECT_EQ(back.name, "a \"b\"");
+}
+
+TEST(Recipe, CopyForABundleHoldsNoFolders) {
+  const Recipe recipe = read_recipe(recipe_file("[input]\nct = \"/home/somebody/ct.nii.gz\"\n"));
+  EXPECT_EQ(write_recipe(recipe, true).find("somebody"), std::string::npos);
+}
+
+TEST(Landmarks, WrittenFileReadsBackTheSame) {
+  Landmarks landmarks;
+  landmarks.seeds_mm["rv_blood"] = {0.1, 1e-7, -300};
+  landmarks.valves["pulmonary"] = {{1, 2, 3}, {0, 0.6, 0.8}, 11.5};
+  landmarks.lv_apex_mm = Vec3{4, 5, 6};
+  const auto path = testing::scratch_folder("landmarks") / "landmarks.json";
+  std::ofstream(path) << write_landmarks(landmarks);
+  EXPECT_EQ(write_landmarks(read_landmarks(path.string())), write_landmarks(landmarks));
+}
+
+TEST(Landmarks, DamagedFilesAreRefused) {
+  const auto path = testing::scratch_folder("landmarks_bad") / "landmarks.json";
+  for (const char* text : {"{", "[]", "{\"seed\": {}}", "{\"seeds_mm\": {\"lv_blood\": [1, 2]}}",
+                           "{\"valves\": {\"mitral\": {\"center_mm\": [0, 0, 0]}}}"}) {
+    std::ofstream(path) << text;
+    EXPECT_THROW(read_landmarks(path.string()), UserError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace heart

@@ -1,0 +1,288 @@
+#include "generator/adapters/itk_io.hpp"
+
+#include <fmt/format.h>
+#include <itkGDCMImageIO.h>
+#include <itkGDCMSeriesFileNames.h>
+#include <itkImageFileReader.h>
+#include <itkImageFileWriter.h>
+#include <itkImageIOFactory.h>
+#include <itkImageSeriesReader.h>
+#include <itkMetaDataObject.h>
+#include <itkMetaImageIOFactory.h>
+#include <itkNiftiImageIOFactory.h>
+#include <itkNrrdImageIOFactory.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "generator/adapters/nifti_io.hpp"
+#include "model/error.hpp"
+
+namespace heart::adapters {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* known_formats =
+    "known formats: .nii, .nii.gz, .nrrd, .mhd, .mha, or a folder with a DICOM series";
+constexpr double largest_anisotropy = 10;
+
+/// Debian's ITK registers no formats by itself.
+void register_formats() {
+  static const bool done = [] {
+    itk::Object::GlobalWarningDisplayOff();
+    itk::NiftiImageIOFactory::RegisterOneFactory();
+    itk::NrrdImageIOFactory::RegisterOneFactory();
+    itk::MetaImageIOFactory::RegisterOneFactory();
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
+template <class T>
+using Image = itk::Image<T, 3>;
+
+/// The double nearest to `value` with that many decimals; dividing (not multiplying by 1e-6) gives the same bits as
+/// reading the decimal text.
+double rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit + 0.0; }
+
+void round_geometry(Grid& grid) {
+  for (int axis = 0; axis < 3; ++axis) {
+    grid.spacing_mm[axis] = rounded(grid.spacing_mm[axis], 1e6);
+    grid.origin_mm[axis] = rounded(grid.origin_mm[axis], 1e3);
+    for (int row = 0; row < 3; ++row) grid.direction[row][axis] = rounded(grid.direction[row][axis], 1e6);
+  }
+}
+
+/// For each new axis: the old axis that lies nearest to it, each used once, the clearest match first.
+std::array<int, 3> nearest_axes(const Mat3& direction) {
+  std::array<int, 3> source{-1, -1, -1};
+  std::array<bool, 3> used{};
+  for (int round = 0; round < 3; ++round) {
+    int best_row = -1, best_column = -1;
+    double best = -1;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        if (source[static_cast<std::size_t>(row)] < 0 && !used[static_cast<std::size_t>(column)] &&
+            std::abs(direction[row][column]) > best) {
+          best = std::abs(direction[row][column]);
+          best_row = row;
+          best_column = column;
+        }
+    source[static_cast<std::size_t>(best_row)] = best_column;
+    used[static_cast<std::size_t>(best_column)] = true;
+  }
+  return source;
+}
+
+template <class T>
+Volume<T> plain_volume(const Image<T>& image) {
+  Volume<T> volume;
+  const auto region = image.GetLargestPossibleRegion();
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    volume.grid.size[axis] = static_cast<std::int64_t>(region.GetSize()[axis]);
+    volume.grid.spacing_mm[static_cast<int>(axis)] = image.GetSpacing()[axis];
+    volume.grid.origin_mm[static_cast<int>(axis)] = image.GetOrigin()[axis];
+    for (unsigned row = 0; row < 3; ++row)
+      volume.grid.direction[static_cast<int>(row)][static_cast<int>(axis)] = image.GetDirection()(row, axis);
+  }
+  const T* data = image.GetBufferPointer();
+  volume.voxels.assign(data, data + volume.grid.voxel_count());
+  return volume;
+}
+
+/// Refuses what cannot become a model before any voxel is read.
+void check_size(const Index3& size, const std::string& path, bool allow_2d) {
+  double voxels = 1;
+  for (const auto length : size) {
+    if (length <= 0) throw UserError("is empty", path, "its header says zero voxels");
+    voxels *= static_cast<double>(length);
+  }
+  if (size[2] == 1 && !allow_2d) throw UserError("is a single slice, not a volume", path, "give the whole series");
+  // The build holds about 40 bytes a voxel at its peak; refuse before the machine starts to swap.
+  const double needed_gib = voxels * 40 / (1 << 30);
+  const double memory_gib =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 30);
+  if (needed_gib > memory_gib)
+    throw UserError(fmt::format("needs about {:.0f} GiB of memory, this machine has {:.0f}", needed_gib, memory_gib),
+                    path, "crop or resample the volume");
+}
+
+void check_header(const itk::ImageIOBase& io, const std::string& path, bool allow_2d) {
+  const unsigned dimensions = io.GetNumberOfDimensions();
+  if (dimensions > 3 && io.GetDimensions(3) > 1)
+    throw UserError(fmt::format("has {} dimensions, a volume has 3", dimensions), path, "extract one time frame first");
+  if (io.GetNumberOfComponents() != 1)
+    throw UserError(fmt::format("has {} components per voxel", io.GetNumberOfComponents()), path,
+                    "give a scalar image in Hounsfield units");
+  Index3 size{1, 1, 1};
+  for (unsigned axis = 0; axis < std::min(dimensions, 3U); ++axis)
+    size[axis] = static_cast<std::int64_t>(io.GetDimensions(axis));
+  check_size(size, path, allow_2d);
+}
+
+void check_spacing(const Grid& grid, const std::string& path) {
+  const Vec3& s = grid.spacing_mm;
+  const double least = std::min({s.x, s.y, s.z}), most = std::max({s.x, s.y, s.z});
+  if (!(least > 0)) throw UserError("has a voxel spacing that is not positive", path, "repair the header");
+  if (most > largest_anisotropy * least)
+    throw UserError(
+        fmt::format("voxels of {} x {} x {} mm are more anisotropic than {}:1", s.x, s.y, s.z, largest_anisotropy),
+        path, "resample the volume or use a thinner reconstruction");
+}
+
+Volume<float> read_series(const std::string& folder) {
+  const auto names = itk::GDCMSeriesFileNames::New();
+  names->SetUseSeriesDetails(true);
+  names->SetDirectory(folder);
+  const auto series = names->GetSeriesUIDs();
+  if (series.empty()) throw UserError("holds no DICOM series", folder, known_formats);
+  if (series.size() > 1)
+    throw UserError(fmt::format("holds {} DICOM series", series.size()), folder,
+                    "put the wanted one in a folder of its own");
+  const auto reader = itk::ImageSeriesReader<Image<float>>::New();
+  const auto io = itk::GDCMImageIO::New();
+  reader->SetImageIO(io);
+  reader->SetFileNames(names->GetFileNames(series.front()));
+  reader->Update();
+  double deviation = 0;
+  itk::ExposeMetaData<double>(reader->GetOutput()->GetMetaDataDictionary(), "ITK_non_uniform_sampling_deviation",
+                              deviation);
+  if (deviation > 0.1 * reader->GetOutput()->GetSpacing()[2])
+    throw UserError(fmt::format("slices are missing or unevenly spaced (off by {:.2f} mm)", deviation), folder,
+                    "export the whole series again");
+  return plain_volume(*reader->GetOutput());
+}
+
+bool is_nifti(const std::string& path) { return path.ends_with(".nii") || path.ends_with(".nii.gz"); }
+
+Volume<float> read_file(const std::string& path, bool allow_2d) {
+  if (is_nifti(path)) {
+    check_size(read_nifti_grid(path).size, path, allow_2d);
+    return read_nifti(path);
+  }
+  const auto io = itk::ImageIOFactory::CreateImageIO(path.c_str(), itk::ImageIOFactory::ReadMode);
+  if (!io) throw UserError("is no image of a known format, or its header is damaged", path, known_formats);
+  io->SetFileName(path);
+  io->ReadImageInformation();
+  check_header(*io, path, allow_2d);
+  const auto reader = itk::ImageFileReader<Image<float>>::New();
+  reader->SetImageIO(io);
+  reader->SetFileName(path);
+  reader->Update();
+  return plain_volume(*reader->GetOutput());
+}
+
+Volume<float> read_any(const std::string& path, bool allow_2d) {
+  if (!fs::exists(path)) throw UserError("does not exist", path, "check the path");
+  register_formats();
+  Volume<float> volume;
+  try {
+    volume = fs::is_directory(path) ? read_series(path) : read_file(path, allow_2d);
+  } catch (const itk::ExceptionObject& error) {
+    throw UserError(fmt::format("cannot be read: {}", error.GetDescription()), path, "is it complete and undamaged?");
+  }
+  check_spacing(volume.grid, path);
+  for (const float value : volume.voxels)
+    if (!std::isfinite(value)) throw UserError("contains NaN or infinite voxels", path, "repair the image");
+  return with_canonical_axes(volume);
+}
+
+template <class To>
+Volume<To> converted(const Volume<float>& in) {
+  Volume<To> out(in.grid);
+  for (std::size_t i = 0; i < in.voxels.size(); ++i) {
+    const float clamped = std::clamp(in.voxels[i], static_cast<float>(std::numeric_limits<To>::min()),
+                                     static_cast<float>(std::numeric_limits<To>::max()));
+    out.voxels[i] = static_cast<To>(std::lround(clamped));
+  }
+  return out;
+}
+
+template <class T>
+void write(const std::string& path, const Volume<T>& volume) {
+  register_formats();
+  const auto image = Image<T>::New();
+  typename Image<T>::SizeType size;
+  typename Image<T>::SpacingType spacing;
+  typename Image<T>::PointType origin;
+  typename Image<T>::DirectionType direction;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    size[axis] = static_cast<itk::SizeValueType>(volume.grid.size[axis]);
+    spacing[axis] = volume.grid.spacing_mm[static_cast<int>(axis)];
+    origin[axis] = volume.grid.origin_mm[static_cast<int>(axis)];
+    for (unsigned row = 0; row < 3; ++row)
+      direction(row, axis) = volume.grid.direction[static_cast<int>(row)][static_cast<int>(axis)];
+  }
+  image->SetRegions(size);
+  image->SetSpacing(spacing);
+  image->SetOrigin(origin);
+  image->SetDirection(direction);
+  image->Allocate();
+  std::copy(volume.voxels.begin(), volume.voxels.end(), image->GetBufferPointer());
+  const auto writer = itk::ImageFileWriter<Image<T>>::New();
+  writer->SetFileName(path);
+  writer->SetInput(image);
+  writer->SetUseCompression(!path.ends_with(".nii"));
+  try {
+    writer->Update();
+  } catch (const itk::ExceptionObject& error) {
+    throw UserError(fmt::format("cannot be written: {}", error.GetDescription()), path, known_formats);
+  }
+}
+
+}  // namespace
+
+template <class T>
+Volume<T> with_canonical_axes(const Volume<T>& volume) {
+  const auto source = nearest_axes(volume.grid.direction);
+  Grid grid;
+  Vec3 corner_index;  // index in the old volume of the new voxel (0, 0, 0)
+  std::array<std::int64_t, 3> stride{}, old_stride{1, volume.grid.size[0], volume.grid.size[0] * volume.grid.size[1]};
+  std::int64_t start = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int from = source[static_cast<std::size_t>(axis)];
+    const bool flip = volume.grid.direction[axis][from] < 0;
+    const auto length = volume.grid.size[static_cast<std::size_t>(from)];
+    grid.size[static_cast<std::size_t>(axis)] = length;
+    grid.spacing_mm[axis] = volume.grid.spacing_mm[from];
+    corner_index[from] = flip ? static_cast<double>(length - 1) : 0;
+    stride[static_cast<std::size_t>(axis)] = (flip ? -1 : 1) * old_stride[static_cast<std::size_t>(from)];
+    if (flip) start += (length - 1) * old_stride[static_cast<std::size_t>(from)];
+    for (int row = 0; row < 3; ++row) grid.direction[row][axis] = (flip ? -1 : 1) * volume.grid.direction[row][from];
+  }
+  grid.origin_mm = lps_from_index(volume.grid, corner_index);
+  round_geometry(grid);
+  Volume<T> result(grid);
+  std::size_t to = 0;
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i)
+        result.voxels[to++] =
+            volume.voxels[static_cast<std::size_t>(start + i * stride[0] + j * stride[1] + k * stride[2])];
+  return result;
+}
+template Volume<float> with_canonical_axes(const Volume<float>&);
+template Volume<std::int16_t> with_canonical_axes(const Volume<std::int16_t>&);
+template Volume<std::uint8_t> with_canonical_axes(const Volume<std::uint8_t>&);
+
+CtVolume read_ct(const std::string& path) { return converted<std::int16_t>(read_any(path, false)); }
+
+LabelVolume read_labels(const std::string& path) {
+  const Volume<float> image = read_any(path, false);
+  for (const float value : image.voxels)
+    if (value < 0 || value > 255 || value != std::floor(value))
+      throw UserError(fmt::format("holds the value {}, labels are whole numbers from 0 to 255", value), path,
+                      "is this a label map?");
+  return converted<std::uint8_t>(image);
+}
+
+Volume<float> read_image(const std::string& path) { return read_any(path, true); }
+
+void write_volume(const std::string& path, const Volume<std::int16_t>& volume) { write(path, volume); }
+void write_volume(const std::string& path, const Volume<std::uint8_t>& volume) { write(path, volume); }
+void write_volume(const std::string& path, const Volume<float>& volume) { write(path, volume); }
+
+}  // namespace heart::adapters

@@ -1,0 +1,33 @@
+// Images on disk: NIfTI, NRRD, MetaImage and DICOM series through ITK, as plain volumes.
+// Readers bring any axis order and direction to the canonical one: i, j, k run as close as possible to the
+// patient's left, back and head, so the same volume stored in any format or axis order gives the same voxels.
+#pragma once
+#include <string>
+
+#include "model/volume.hpp"
+
+namespace heart::adapters {
+
+/// Reads a CT (Hounsfield units). `path` is an image file or a folder that holds exactly one DICOM series.
+/// Throws UserError: missing or unreadable file, truncated data, not 3D, NaN, anisotropy beyond 10:1, missing
+/// slices, several series, or a volume too large for this machine's memory.
+CtVolume read_ct(const std::string& path);
+
+/// Reads an integer label map (0 to 255). Errors as read_ct.
+LabelVolume read_labels(const std::string& path);
+
+/// Reads any scalar image as float, 2D images as one slice (for `heartgen filter`).
+Volume<float> read_image(const std::string& path);
+
+/// Writes .nii, .nii.gz, .nrrd, .mhd, .mha (compressed where the format can). Throws UserError on failure.
+void write_volume(const std::string& path, const Volume<std::int16_t>& volume);
+void write_volume(const std::string& path, const Volume<std::uint8_t>& volume);
+void write_volume(const std::string& path, const Volume<float>& volume);
+
+/// The same voxels with axes permuted and flipped so that the direction matrix is as near as can be to the identity.
+/// Spacing, origin and direction are rounded to 1e-6 mm, 1e-3 mm and 1e-6: formats that store them as 32-bit floats
+/// then agree with those that store text.
+template <class T>
+Volume<T> with_canonical_axes(const Volume<T>& volume);
+
+}  // namespace heart::adapters

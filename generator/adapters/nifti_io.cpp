@@ -1,0 +1,113 @@
+#include "generator/adapters/nifti_io.hpp"
+
+#include <fmt/format.h>
+#include <nifti1_io.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include "model/error.hpp"
+
+namespace heart::adapters {
+namespace {
+
+using NiftiImage = std::unique_ptr<nifti_image, decltype(&nifti_image_free)>;
+
+/// The library fills what a truncated .gz lacks with zeros and says nothing. The last four bytes of a gzip file hold
+/// its uncompressed length modulo 2^32, which must be the image plus a header (and extensions) of at most 64 MiB.
+void check_gzip_length(const std::string& path, std::uint64_t image_bytes) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (file.tellg() < 18) throw UserError("is truncated", path, "copy or download it again");
+  std::array<unsigned char, 4> tail{};
+  file.seekg(-4, std::ios::end);
+  file.read(reinterpret_cast<char*>(tail.data()), 4);
+  const std::uint32_t length = tail[0] | tail[1] << 8 | tail[2] << 16 | static_cast<std::uint32_t>(tail[3]) << 24;
+  if (length - static_cast<std::uint32_t>(image_bytes) > (64U << 20))
+    throw UserError("is truncated: its last bytes are missing", path, "copy or download it again");
+}
+
+/// sform first (what converters write), then qform, then bare voxel sizes.
+mat44 ras_from_index(const nifti_image& image) {
+  if (image.sform_code > 0) return image.sto_xyz;
+  return image.qto_xyz;  // the library fills it from pixdim when there is no qform either
+}
+
+Grid grid_of(const nifti_image& image, const std::string& path) {
+  Grid grid;
+  grid.size = {image.nx, image.ny, std::max<std::int64_t>(image.nz, 1)};
+  const mat44 m = ras_from_index(image);
+  std::array<Vec3, 3> columns;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 column{-m.m[0][axis], -m.m[1][axis], m.m[2][axis]};
+    grid.spacing_mm[axis] = norm(column);
+    columns[static_cast<std::size_t>(axis)] = normalized(column);
+    for (int row = 0; row < 3; ++row) grid.direction[row][axis] = columns[static_cast<std::size_t>(axis)][row];
+  }
+  grid.origin_mm = {-m.m[0][3], -m.m[1][3], m.m[2][3]};
+  const double skew = std::max({std::abs(dot(columns[0], columns[1])), std::abs(dot(columns[0], columns[2])),
+                                std::abs(dot(columns[1], columns[2]))});
+  if (!(skew < 1e-3))
+    throw UserError("has a sheared or missing orientation matrix", path, "resample it to a regular grid");
+  return grid;
+}
+
+template <class T>
+void copy_scaled(const nifti_image& image, std::vector<float>& to) {
+  const T* from = static_cast<const T*>(image.data);
+  const bool scaled = std::isfinite(image.scl_slope) && image.scl_slope != 0 && std::isfinite(image.scl_inter);
+  const double slope = scaled ? image.scl_slope : 1, intercept = scaled ? image.scl_inter : 0;
+  for (std::size_t i = 0; i < to.size(); ++i)
+    to[i] = static_cast<float>(slope * static_cast<double>(from[i]) + intercept);
+}
+
+void copy_voxels(const nifti_image& image, std::vector<float>& to, const std::string& path) {
+  switch (image.datatype) {
+    case DT_UINT8:
+      return copy_scaled<std::uint8_t>(image, to);
+    case DT_INT8:
+      return copy_scaled<std::int8_t>(image, to);
+    case DT_INT16:
+      return copy_scaled<std::int16_t>(image, to);
+    case DT_UINT16:
+      return copy_scaled<std::uint16_t>(image, to);
+    case DT_INT32:
+      return copy_scaled<std::int32_t>(image, to);
+    case DT_UINT32:
+      return copy_scaled<std::uint32_t>(image, to);
+    case DT_FLOAT32:
+      return copy_scaled<float>(image, to);
+    case DT_FLOAT64:
+      return copy_scaled<double>(image, to);
+    default:
+      throw UserError(fmt::format("holds voxels of type {}", nifti_datatype_string(image.datatype)), path,
+                      "convert it to 16-bit integers or floats");
+  }
+}
+
+NiftiImage read_header(const std::string& path) {
+  nifti_set_debug_level(0);
+  NiftiImage image(nifti_image_read(path.c_str(), 0), &nifti_image_free);
+  if (!image) throw UserError("is no NIfTI file, or its header is damaged", path, "is it complete and undamaged?");
+  if (image->ndim > 3 && image->nvox != static_cast<std::size_t>(image->nx) * static_cast<std::size_t>(image->ny) *
+                                            static_cast<std::size_t>(image->nz))
+    throw UserError("has more than three dimensions", path, "extract one volume first");
+  return image;
+}
+
+}  // namespace
+
+Grid read_nifti_grid(const std::string& path) { return grid_of(*read_header(path), path); }
+
+Volume<float> read_nifti(const std::string& path) {
+  const NiftiImage image = read_header(path);
+  if (path.ends_with(".gz")) check_gzip_length(path, image->nvox * static_cast<std::uint64_t>(image->nbyper));
+  Volume<float> volume(grid_of(*image, path));
+  if (nifti_image_load(image.get()) != 0) throw UserError("is truncated or damaged", path, "copy or download it again");
+  copy_voxels(*image, volume.voxels, path);
+  return volume;
+}
+
+}  // namespace heart::adapters

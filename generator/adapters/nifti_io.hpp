@@ -1,0 +1,17 @@
+// NIfTI reading through the reference library. ITK 5.2's own reader refuses many valid files that carry only an sform
+// matrix (its issues 2674 and 3333), and those are what common converters write.
+#pragma once
+#include <string>
+
+#include "model/volume.hpp"
+
+namespace heart::adapters {
+
+/// The grid alone, from the header. Throws UserError for a damaged header or more than three dimensions.
+Grid read_nifti_grid(const std::string& path);
+
+/// Reads a 3D scalar NIfTI-1 file (.nii, .nii.gz) with its intensity scaling applied; the frame is turned from the
+/// format's RAS to LPS. Throws UserError: damaged header, truncated data, sheared or missing orientation.
+Volume<float> read_nifti(const std::string& path);
+
+}  // namespace heart::adapters

@@ -1,0 +1,120 @@
+#include "generator/adapters/itk_io.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "model/error.hpp"
+#include "support/data.hpp"
+
+namespace heart {
+namespace {
+
+CtVolume small_ct() {
+  Grid grid;
+  grid.size = {7, 5, 4};
+  grid.spacing_mm = {0.7, 0.9, 2.5};
+  grid.origin_mm = {-171.7, 12.25, -301.5};
+  CtVolume ct(grid);
+  for (std::size_t i = 0; i < ct.voxels.size(); ++i) ct.voxels[i] = static_cast<std::int16_t>(37 * i % 1999 - 1000);
+  return ct;
+}
+
+/// The same patient stored with axes (k, i flipped, j): what scanners and converters do.
+CtVolume permuted(const CtVolume& ct) {
+  Grid grid;
+  grid.size = {ct.grid.size[2], ct.grid.size[0], ct.grid.size[1]};
+  grid.spacing_mm = {ct.grid.spacing_mm.z, ct.grid.spacing_mm.x, ct.grid.spacing_mm.y};
+  const double last = static_cast<double>(ct.grid.size[0] - 1);
+  grid.origin_mm = lps_from_index(ct.grid, {last, 0, 0});
+  grid.direction = {{Vec3{0, -1, 0}, Vec3{0, 0, 1}, Vec3{1, 0, 0}}};
+  CtVolume out(grid);
+  for (std::int64_t k = 0; k < ct.grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < ct.grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < ct.grid.size[0]; ++i) out(k, ct.grid.size[0] - 1 - i, j) = ct(i, j, k);
+  return out;
+}
+
+class EveryFormat : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EveryFormat, GivesBackVoxelsAndGeometryExactly) {
+  const auto path = (testing::scratch_folder("itk_io") / GetParam()).string();
+  adapters::write_volume(path, small_ct());
+  const CtVolume back = adapters::read_ct(path);
+  EXPECT_EQ(back.grid, small_ct().grid);
+  EXPECT_EQ(back.voxels, small_ct().voxels);
+}
+
+TEST_P(EveryFormat, PermutedAndFlippedAxesGiveTheSameVolume) {
+  const auto path = (testing::scratch_folder("itk_io_permuted") / GetParam()).string();
+  adapters::write_volume(path, permuted(small_ct()));
+  const CtVolume back = adapters::read_ct(path);
+  EXPECT_EQ(back.grid, small_ct().grid);
+  EXPECT_EQ(back.voxels, small_ct().voxels);
+}
+
+TEST_P(EveryFormat, TruncatedFileIsRefusedByName) {
+  const auto path = (testing::scratch_folder("itk_io_truncated") / GetParam()).string();
+  CtVolume ct = small_ct();
+  adapters::write_volume(path, ct);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  try {
+    adapters::read_ct(path);
+    FAIL() << "a truncated file was read";
+  } catch (const UserError& error) {
+    EXPECT_EQ(error.where, path);
+    EXPECT_FALSE(error.remedy.empty());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat, ::testing::Values("ct.nii", "ct.nii.gz", "ct.nrrd", "ct.mhd", "ct.mha"));
+
+TEST(ReadCt, RefusesMissingFileAndForeignFile) {
+  EXPECT_THROW(adapters::read_ct("no/such/file.nii"), UserError);
+  const auto path = testing::scratch_folder("itk_io_foreign") / "notes.nii";
+  std::ofstream(path) << "not an image";
+  EXPECT_THROW(adapters::read_ct(path.string()), UserError);
+}
+
+TEST(ReadCt, RefusesAnisotropyBeyondTenToOne) {
+  CtVolume ct = small_ct();
+  ct.grid.spacing_mm = {0.5, 0.5, 5.1};
+  const auto path = (testing::scratch_folder("itk_io_anisotropic") / "ct.nrrd").string();
+  adapters::write_volume(path, ct);
+  EXPECT_THROW(adapters::read_ct(path), UserError);
+}
+
+TEST(ReadCt, RefusesNan) {
+  Volume<float> image(small_ct().grid, 1.0F);
+  image(2, 2, 2) = std::numeric_limits<float>::quiet_NaN();
+  const auto path = (testing::scratch_folder("itk_io_nan") / "ct.nrrd").string();
+  adapters::write_volume(path, image);
+  EXPECT_THROW(adapters::read_ct(path), UserError);
+}
+
+TEST(ReadLabels, RefusesFractions) {
+  const auto path = (testing::scratch_folder("itk_io_fraction") / "labels.nrrd").string();
+  adapters::write_volume(path, Volume<float>(small_ct().grid, 0.5F));
+  EXPECT_THROW(adapters::read_labels(path), UserError);
+}
+
+TEST(ReadCt, RealDicomSeriesHasItsSlices) {
+  const auto folder = testing::real_data("chest-dicom-small");
+  if (folder.empty()) GTEST_SKIP() << "real data absent";
+  const CtVolume ct = adapters::read_ct(folder);
+  EXPECT_EQ(ct.grid.size, (Index3{100, 100, 47}));
+  EXPECT_NEAR(ct.grid.spacing_mm.z, 6, 1e-6);
+  EXPECT_GT(ct.grid.direction[2].z, 0.99);
+}
+
+TEST(ReadCt, RealScansHaveThePatientUpright) {
+  const auto path = testing::real_data("chest-ct-lidc-0001/ct.nii.gz");
+  if (path.empty()) GTEST_SKIP() << "real data absent";
+  const CtVolume ct = adapters::read_ct(path);
+  EXPECT_EQ(ct.grid.size, (Index3{512, 512, 133}));
+  // The table lies behind the patient: brighter than air at the back, air in front.
+  EXPECT_GT(ct.grid.direction[1].y, 0.99);
+}
+
+}  // namespace
+}  // namespace heart

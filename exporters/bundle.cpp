@@ -1,0 +1,185 @@
+#include "exporters/bundle.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <stdio.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "exporters/bundle_texts.hpp"
+#include "exporters/files.hpp"
+#include "exporters/manifest.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "generator/adapters/vtk_io.hpp"
+#include "model/error.hpp"
+
+namespace heart::exporters {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+bool holds_bundle(const fs::path& folder) {
+  try {
+    return Json::parse(read_text(folder / "manifest.json")).at("schema").get<std::string>().rfind("heartgen-", 0) == 0;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+/// Before any work: what stands at `folder` may be replaced.
+void require_replaceable(const fs::path& folder, Existing existing) {
+  if (!fs::exists(fs::symlink_status(folder))) return;
+  if (fs::is_directory(folder) && fs::is_empty(folder)) return;
+  if (!holds_bundle(folder))
+    throw UserError("exists and is not a bundle", folder.string(), "name another output folder, or move it away");
+  if (existing == Existing::refuse)
+    throw UserError("a bundle is there already", folder.string(), "name another output folder, or allow replacing it");
+}
+
+/// Puts `prepared` at `folder` in one step where the file system can; an older bundle there is removed after that.
+void move_into_place(const fs::path& prepared, const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder) && !fs::is_empty(folder)) {
+    if (renameat2(AT_FDCWD, prepared.c_str(), AT_FDCWD, folder.c_str(), RENAME_EXCHANGE) == 0) {
+      fs::remove_all(prepared, error);
+      return;
+    }
+    const fs::path old = hidden_sibling(folder, "old");
+    fs::remove_all(old, error);
+    fs::rename(folder, old, error);
+    if (!error) fs::rename(prepared, folder, error);
+    if (!error) fs::remove_all(old, error);
+  } else {
+    fs::rename(prepared, folder, error);
+  }
+  if (error) throw UserError("cannot put the bundle in place: " + error.message(), folder.string(), "");
+}
+
+void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
+  for (const char* name : {"meshes", "surfaces", "images", "validation"}) fs::create_directories(folder / name);
+  for (const auto& [name, mesh] : bundle.meshes) {
+    adapters::write_vtu(folder / manifest.meshes.at(name).file, mesh);
+    adapters::write_vtp(folder / manifest.meshes.at(name).surface_file, mesh);
+  }
+  if (!bundle.labels.voxels.empty())
+    adapters::write_volume((folder / "images" / "labels.nii.gz").string(), bundle.labels);
+  write_text(folder / "recipe.toml", bundle.recipe);
+  write_text(folder / "validation" / "metrics.json", report_json(bundle.metrics));
+  write_text(folder / "validation" / "report.html", bundle.report_html);
+  write_text(folder / "README.md", readme_text(manifest));
+  write_text(folder / "LICENSE", license_text(manifest));
+  write_text(folder / "CITATION.cff", citation_text(manifest));
+  write_text(folder / "ro-crate-metadata.json", ro_crate_text(manifest, hash_files(folder)));
+  for (const auto& [name, text] : bundle.logs) write_text(folder / "logs" / name, text);
+}
+
+void require_safe_names(const Bundle& bundle) {
+  const auto check = [](const std::string& name, const char* kind) {
+    if (!is_safe_path(name) || name.find('/') != std::string::npos)
+      throw UserError(fmt::format("'{}' cannot be the name of a {}", name, kind), "bundle", "use letters, digits, _");
+  };
+  check(bundle.name, "bundle");
+  for (const auto& [name, mesh] : bundle.meshes) check(name, "mesh");
+  for (const auto& [name, text] : bundle.logs) check(name, "log");
+}
+
+/// The path of a file that the manifest names.
+fs::path inside(const fs::path& folder, const std::string& path) {
+  if (!is_safe_path(path))
+    throw UserError("path '" + path + "' leaves the bundle", (folder / "manifest.json").string(), "");
+  return folder / path;
+}
+
+}  // namespace
+
+std::string write_bundle(const Bundle& bundle, const fs::path& folder, Existing existing) {
+  const fs::path target = plain_path(folder);
+  require_safe_names(bundle);
+  require_replaceable(target, existing);
+  const fs::path partial = hidden_sibling(target, "partial");
+  std::error_code error;
+  fs::remove_all(partial, error);  // what a killed run left there
+  fs::create_directories(partial, error);
+  if (error) throw UserError("cannot be made: " + error.message(), target.string(), "name another output folder");
+  try {
+    Manifest manifest = describe_bundle(bundle);
+    write_files(bundle, manifest, partial);
+    manifest.files = hash_files(partial);
+    manifest.content_id = content_id(manifest.files);
+    write_text(partial / "manifest.json", manifest_text(manifest));
+    move_into_place(partial, target);
+    return manifest.content_id;
+  } catch (...) {
+    fs::remove_all(partial, error);
+    throw;
+  }
+}
+
+Manifest read_manifest(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw UserError("no such folder", folder.string(), "name the folder of a bundle");
+  const fs::path path = folder / "manifest.json";
+  if (!fs::exists(path))
+    throw UserError("there is no manifest.json in it", folder.string(), "name the folder of a bundle");
+  return parse_manifest(read_text(path), path.string());
+}
+
+TetMesh read_mesh(const fs::path& folder, const std::string& mesh_name) {
+  const Manifest manifest = read_manifest(folder);
+  const auto entry = manifest.meshes.find(mesh_name);
+  if (entry == manifest.meshes.end()) {
+    std::string known;
+    for (const auto& [name, mesh] : manifest.meshes) known += (known.empty() ? "" : ", ") + name;
+    throw UserError("there is no mesh '" + mesh_name + "'", folder.string(), "it has: " + known);
+  }
+  TetMesh mesh = adapters::read_vtu(inside(folder, entry->second.file));
+  adapters::read_surface(inside(folder, entry->second.surface_file), mesh);
+  return mesh;
+}
+
+LabelVolume read_labels(const fs::path& folder) {
+  return adapters::read_labels((folder / "images" / "labels.nii.gz").string());
+}
+
+std::string read_recipe_text(const fs::path& folder) { return read_text(folder / "recipe.toml"); }
+
+std::string report_json(const Report& report) {
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  Json rows = Json::array();
+  for (const auto& row : report) {
+    Json json = {{"group", row.group}, {"scope", row.scope}, {"metric", row.metric}};
+    json["value"] = number(row.value);
+    json["unit"] = row.unit;
+    if (row.at_least) json["at_least"] = number(*row.at_least);
+    if (row.at_most) json["at_most"] = number(*row.at_most);
+    if (row.judges()) json["passed"] = row.passed();
+    rows.push_back(json);
+  }
+  const Json document = {{"passed", all_passed(report)}, {"rows", rows}};
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Report read_metrics(const fs::path& folder) {
+  const fs::path path = folder / "validation" / "metrics.json";
+  const auto number = [](const Json& json) {
+    return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+  };
+  try {
+    Report report;
+    const Json document = Json::parse(read_text(path));
+    for (const auto& json : document.at("rows")) {
+      ReportRow row{
+          json.at("group"), json.at("scope"), json.at("metric"), number(json.at("value")), json.at("unit"), {}, {}};
+      if (json.contains("at_least")) row.at_least = number(json.at("at_least"));
+      if (json.contains("at_most")) row.at_most = number(json.at("at_most"));
+      report.push_back(row);
+    }
+    return report;
+  } catch (const Json::exception& error) {
+    throw UserError(std::string("malformed metrics: ") + error.what(), path.string(), "is the bundle whole?");
+  }
+}
+
+}  // namespace heart::exporters

@@ -1,0 +1,59 @@
+#include "exporters/files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "model/error.hpp"
+
+namespace heart::exporters {
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::error_code ignored;  // a folder that cannot be made shows as a file that cannot be opened
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
+  std::ofstream stream(path, std::ios::binary | std::ios::trunc);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+  if (!stream) throw UserError("cannot be written", path.string(), "is there room, and the right to write there?");
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path))
+    throw UserError("no such file, or no right to read it", path.string(), "");
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (stream.bad()) throw UserError("reading failed halfway", path.string(), "");
+  return text;
+}
+
+bool is_safe_path(const std::string& path) {
+  if (path.empty() || path.front() == '/' || path.back() == '/') return false;
+  const bool odd_character = std::any_of(
+      path.begin(), path.end(), [](char c) { return c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+  if (odd_character || path.find("//") != std::string::npos) return false;
+  const std::filesystem::path parts(path);
+  return std::none_of(parts.begin(), parts.end(), [](const auto& part) { return part == ".." || part == "."; });
+}
+
+std::vector<std::string> files_below(const std::filesystem::path& folder) {
+  std::vector<std::string> paths;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (!entry.is_directory() || entry.is_symlink())
+      paths.push_back(entry.path().lexically_relative(folder).generic_string());
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+std::filesystem::path plain_path(const std::filesystem::path& folder) {
+  auto path = std::filesystem::absolute(folder).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
+std::filesystem::path hidden_sibling(const std::filesystem::path& folder, const std::string& suffix) {
+  const auto path = plain_path(folder);
+  return path.parent_path() / fmt::format(".{}.{}", path.filename().string(), suffix);
+}
+
+}  // namespace heart::exporters

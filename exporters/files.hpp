@@ -1,0 +1,26 @@
+// Small helpers around whole files and paths inside a bundle.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace heart::exporters {
+
+/// Writes the whole text; makes missing folders. Throws UserError naming the file (also when the disk is full).
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+/// Throws UserError when the file is missing or cannot be read.
+std::string read_text(const std::filesystem::path& path);
+
+/// Relative, without empty, "." or ".." parts, back slashes or control characters: it cannot leave its folder.
+bool is_safe_path(const std::string& path);
+
+/// Paths (relative, '/', sorted by bytes) of everything below `folder` that is not a folder; links are listed as
+/// themselves and not followed.
+std::vector<std::string> files_below(const std::filesystem::path& folder);
+
+/// The folder's path without a trailing slash, and the hidden sibling "."NAME"."suffix where it is prepared.
+std::filesystem::path plain_path(const std::filesystem::path& folder);
+std::filesystem::path hidden_sibling(const std::filesystem::path& folder, const std::string& suffix);
+
+}  // namespace heart::exporters

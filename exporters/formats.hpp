@@ -1,0 +1,41 @@
+// The functions behind the table of registry.hpp; one .cpp per format. All throw UserError when a file cannot be
+// written.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "exporters/registry.hpp"
+
+namespace heart::exporters {
+
+using Files = std::vector<std::filesystem::path>;
+
+Files export_vtk_binary(const ExportTask& task);
+Files export_vtk_ascii(const ExportTask& task);
+Files export_vtu(const ExportTask& task);
+Files export_msh41_binary(const ExportTask& task);
+Files export_msh41_ascii(const ExportTask& task);
+Files export_msh22_ascii(const ExportTask& task);
+Files export_xdmf(const ExportTask& task);
+Files export_opencarp(const ExportTask& task);
+Files export_chaste(const ExportTask& task);
+Files export_svmultiphysics(const ExportTask& task);
+Files export_mfem(const ExportTask& task);
+Files export_cardiacfoam(const ExportTask& task);
+
+/// NAME_markers.json: {name: [tag, dimension]} of regions (3), surfaces (2) and rims (0), for formats that have no
+/// place for names.
+std::filesystem::path write_markers(const ExportTask& task);
+
+/// Tags that occur, ascending, with their names.
+std::map<std::int32_t, std::string> regions_of(const TetMesh& mesh);
+std::map<std::int32_t, std::string> surfaces_of(const TetMesh& mesh);
+
+/// Fibres per cell: those of the mesh, or all zero when it has none.
+FiberField cell_axes(const TetMesh& mesh);
+
+inline bool has_fibers(const TetMesh& mesh) { return !mesh.cell_fibers.fiber.empty(); }
+
+}  // namespace heart::exporters

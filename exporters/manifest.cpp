@@ -1,0 +1,165 @@
+#include "exporters/manifest.hpp"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "exporters/files.hpp"
+#include "model/error.hpp"
+#include "model/labels.hpp"
+
+namespace heart::exporters {
+
+using Json = nlohmann::json;
+
+// The six functions below are found by nlohmann::json through their arguments.
+void to_json(Json& json, const BundleInput& input) {
+  json = {{"name", input.name}, {"sha256", input.sha256}, {"bytes", input.bytes}};
+}
+void from_json(const Json& json, BundleInput& input) {
+  json.at("name").get_to(input.name);
+  json.at("sha256").get_to(input.sha256);
+  json.at("bytes").get_to(input.bytes);
+}
+void to_json(Json& json, const ManifestFile& file) {
+  json = {{"path", file.path}, {"sha256", file.sha256}, {"bytes", file.bytes}};
+}
+void from_json(const Json& json, ManifestFile& file) {
+  json.at("path").get_to(file.path);
+  json.at("sha256").get_to(file.sha256);
+  json.at("bytes").get_to(file.bytes);
+}
+void to_json(Json& json, const ManifestMesh& mesh) {
+  json = {
+      {"file", mesh.file},   {"surface_file", mesh.surface_file}, {"nodes", mesh.nodes}, {"cells", mesh.cells},
+      {"faces", mesh.faces}, {"regions", mesh.regions},           {"rims", mesh.rims},   {"surfaces", mesh.surfaces}};
+}
+void from_json(const Json& json, ManifestMesh& mesh) {
+  json.at("file").get_to(mesh.file);
+  json.at("surface_file").get_to(mesh.surface_file);
+  json.at("nodes").get_to(mesh.nodes);
+  json.at("cells").get_to(mesh.cells);
+  json.at("faces").get_to(mesh.faces);
+  json.at("regions").get_to(mesh.regions);
+  json.at("rims").get_to(mesh.rims);
+  json.at("surfaces").get_to(mesh.surfaces);
+}
+
+namespace {
+
+ManifestMesh describe_mesh(const std::string& name, const TetMesh& mesh) {
+  ManifestMesh result{"meshes/" + name + ".vtu", "surfaces/" + name + ".vtp", {}, {}, {}, {}, {}, {}};
+  result.nodes = static_cast<std::int64_t>(mesh.nodes_mm.size());
+  result.cells = static_cast<std::int64_t>(mesh.cells.size());
+  result.faces = static_cast<std::int64_t>(mesh.faces.size());
+  for (const auto tag : mesh.region) ++result.regions[region_name(tag)];
+  for (const auto tag : mesh.surface) ++result.surfaces[surface_name(tag)];
+  for (const auto& rim : mesh.rims) result.rims[rim.name] = static_cast<std::int64_t>(rim.nodes.size());
+  return result;
+}
+
+Json manifest_json(const Manifest& m) {
+  return {{"schema", m.schema},   {"name", m.name},         {"version", m.version},
+          {"license", m.license}, {"author", m.author},     {"date_published", m.date_published},
+          {"atlas", m.atlas},     {"unit", m.unit},         {"frame", m.frame},
+          {"regions", m.regions}, {"surfaces", m.surfaces}, {"rims", m.rims},
+          {"meshes", m.meshes},   {"files", m.files},       {"content_id", m.content_id},
+          {"inputs", m.inputs},   {"tools", m.tools}};
+}
+
+Manifest manifest_from(const Json& json) {
+  Manifest m;
+  json.at("schema").get_to(m.schema);
+  json.at("name").get_to(m.name);
+  json.at("version").get_to(m.version);
+  json.at("license").get_to(m.license);
+  json.at("author").get_to(m.author);
+  json.at("date_published").get_to(m.date_published);
+  json.at("atlas").get_to(m.atlas);
+  json.at("unit").get_to(m.unit);
+  json.at("frame").get_to(m.frame);
+  json.at("regions").get_to(m.regions);
+  json.at("surfaces").get_to(m.surfaces);
+  json.at("rims").get_to(m.rims);
+  json.at("meshes").get_to(m.meshes);
+  json.at("files").get_to(m.files);
+  json.at("content_id").get_to(m.content_id);
+  json.at("inputs").get_to(m.inputs);
+  json.at("tools").get_to(m.tools);
+  return m;
+}
+
+}  // namespace
+
+bool is_covered(const std::string& path) { return path != "manifest.json" && path.rfind("logs/", 0) != 0; }
+
+std::string content_id(const std::vector<ManifestFile>& files) {
+  std::vector<std::string> lines;
+  for (const auto& file : files) lines.push_back(file.path + " " + file.sha256 + "\n");
+  std::sort(lines.begin(), lines.end());
+  std::string text;
+  for (const auto& line : lines) text += line;
+  return sha256_of_text(text);
+}
+
+std::vector<ManifestFile> hash_files(const std::filesystem::path& folder) {
+  std::vector<ManifestFile> files;
+  for (const auto& path : files_below(folder))
+    if (is_covered(path))
+      files.push_back(
+          {path, sha256_of_file(folder / path), static_cast<std::int64_t>(std::filesystem::file_size(folder / path))});
+  return files;
+}
+
+Manifest describe_bundle(const Bundle& bundle) {
+  Manifest m;
+  m.schema = bundle_schema;
+  m.name = bundle.name;
+  m.version = bundle.version;
+  m.license = bundle.license;
+  m.author = bundle.author;
+  m.date_published = bundle.date_published;
+  m.atlas = bundle.atlas;
+  m.unit = "mm";
+  m.frame = "LPS";
+  m.inputs = bundle.inputs;
+  m.tools = bundle.tools;
+  std::array<bool, 256> in_labels{};
+  for (const auto voxel : bundle.labels.voxels) in_labels[voxel] = true;
+  std::set<std::int32_t> regions, surfaces;
+  for (std::int32_t tag = 1; tag < 256; ++tag)
+    if (in_labels[static_cast<std::size_t>(tag)]) regions.insert(tag);
+  for (const auto& [name, mesh] : bundle.meshes) {
+    m.meshes[name] = describe_mesh(name, mesh);
+    regions.insert(mesh.region.begin(), mesh.region.end());
+    surfaces.insert(mesh.surface.begin(), mesh.surface.end());
+    for (const auto& rim : mesh.rims) m.rims[rim.name] = rim.tag;
+  }
+  for (const auto tag : regions) m.regions[region_name(tag)] = tag;
+  for (const auto tag : surfaces) m.surfaces[surface_name(tag)] = tag;
+  return m;
+}
+
+std::string manifest_text(const Manifest& manifest) {
+  Json json = manifest_json(manifest);
+  // File names in another encoding than UTF-8 must not stop a build: such bytes are replaced.
+  const auto text = [&] { return json.dump(2, ' ', false, Json::error_handler_t::replace); };
+  json["manifest_sha256"] = sha256_of_text(text());
+  return text() + "\n";
+}
+
+Manifest parse_manifest(const std::string& text, const std::string& path) {
+  const std::string remedy = "is this the folder of a bundle, and is it whole?";
+  try {
+    const Manifest manifest = manifest_from(Json::parse(text));
+    if (manifest.schema != bundle_schema)
+      throw UserError("schema '" + manifest.schema + "' is not known to this version", path, "use a newer heartgen");
+    if (manifest_text(manifest) != text) throw UserError("has been altered: manifest_sha256 differs", path, remedy);
+    return manifest;
+  } catch (const Json::exception& error) {
+    throw UserError(std::string("malformed manifest: ") + error.what(), path, remedy);
+  }
+}
+
+}  // namespace heart::exporters

@@ -1,0 +1,67 @@
+// A bundle against its manifest.
+#include <set>
+
+#include "exporters/bundle.hpp"
+#include "exporters/files.hpp"
+#include "exporters/manifest.hpp"
+#include "model/error.hpp"
+
+namespace heart::exporters {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool passes_a_link(const fs::path& folder, const std::string& path) {
+  fs::path walked = folder;
+  for (const auto& part : fs::path(path))
+    if (fs::is_symlink(fs::symlink_status(walked /= part))) return true;
+  return false;
+}
+
+/// What is wrong with one listed file, or "".
+std::string defect_of(const fs::path& folder, const ManifestFile& file) {
+  if (!is_safe_path(file.path)) return "the path leaves the bundle";
+  if (!is_covered(file.path)) return "must not be listed in the manifest";
+  if (passes_a_link(folder, file.path)) return "is a link";
+  if (!fs::exists(folder / file.path)) return "missing";
+  if (!fs::is_regular_file(folder / file.path)) return "is not a plain file";
+  if (fs::file_size(folder / file.path) != static_cast<std::uintmax_t>(file.bytes)) return "size differs";
+  if (sha256_of_file(folder / file.path) != file.sha256) return "SHA-256 differs";
+  return "";
+}
+
+void check_mesh_entries(const Manifest& manifest, const std::set<std::string>& listed, std::vector<Problem>& problems) {
+  for (const auto& [name, mesh] : manifest.meshes)
+    for (const auto& path : {mesh.file, mesh.surface_file})
+      if (!listed.count(path)) problems.push_back({path, "file of mesh '" + name + "' is not in the manifest's list"});
+}
+
+}  // namespace
+
+std::vector<Problem> verify_bundle(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw UserError("no such folder", folder.string(), "name the folder of a bundle");
+  Manifest manifest;
+  try {
+    manifest = read_manifest(folder);
+  } catch (const UserError& error) {
+    return {{"manifest.json", error.problem}};
+  }
+  std::vector<Problem> problems;
+  std::set<std::string> listed;
+  for (const auto& file : manifest.files) {
+    if (!listed.insert(file.path).second) problems.push_back({file.path, "is listed twice"});
+    if (const auto defect = defect_of(folder, file); !defect.empty()) problems.push_back({file.path, defect});
+  }
+  for (const auto& path : files_below(folder)) {
+    if (fs::is_symlink(fs::symlink_status(folder / path)) && !listed.count(path))
+      problems.push_back({path, "is a link"});
+    else if (is_covered(path) && !listed.count(path))
+      problems.push_back({path, "is not in the manifest"});
+  }
+  check_mesh_entries(manifest, listed, problems);
+  if (content_id(manifest.files) != manifest.content_id)
+    problems.push_back({"manifest.json", "content_id is not that of the listed files"});
+  return problems;
+}
+
+}  // namespace heart::exporters

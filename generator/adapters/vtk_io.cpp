@@ -1,0 +1,220 @@
+#include "generator/adapters/vtk_io.hpp"
+
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkTypeInt32Array.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkUnstructuredGridWriter.h>
+#include <vtkVersion.h>
+#include <vtkXMLPolyDataWriter.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include <algorithm>
+
+#include "generator/adapters/vtk_guard.hpp"
+
+namespace heart::adapters {
+namespace {
+
+static_assert(sizeof(Mat3) == 9 * sizeof(double));
+static_assert(sizeof(Vec3) == 3 * sizeof(double), "arrays of Vec3 are handed to VTK as they lie in memory");
+static_assert(sizeof(Cell) == 4 * sizeof(std::int32_t) && sizeof(Face) == 3 * sizeof(std::int32_t));
+
+// VTK only reads through the pointers that these arrays borrow.
+template <class Array, class T>
+vtkSmartPointer<Array> borrow_as(const char* name, const T* values, std::size_t tuples, int components) {
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetArray(const_cast<T*>(values), components * static_cast<vtkIdType>(tuples), 1);
+  return array;
+}
+
+auto borrow(const char* name, const std::vector<double>& values) {
+  return borrow_as<vtkDoubleArray>(name, values.data(), values.size(), 1);
+}
+auto borrow(const char* name, const std::vector<Vec3>& values) {
+  return borrow_as<vtkDoubleArray>(name, &values.data()->x, values.size(), 3);
+}
+auto borrow(const char* name, const std::vector<Mat3>& values) {
+  return borrow_as<vtkDoubleArray>(name, &values.data()->rows[0].x, values.size(), 9);
+}
+auto borrow(const char* name, const std::vector<std::int32_t>& values) {
+  return borrow_as<vtkIntArray>(name, values.data(), values.size(), 1);
+}
+auto borrow(const char* name, const std::vector<std::uint8_t>& values) {
+  return borrow_as<vtkUnsignedCharArray>(name, values.data(), values.size(), 1);
+}
+
+template <class Values>
+void add(vtkFieldData* data, const char* name, const Values& values) {
+  if (!values.empty()) data->AddArray(borrow(name, values));
+}
+
+void add_fibers(vtkFieldData* data, const FiberField& fibers) {
+  add(data, "fiber", fibers.fiber);
+  add(data, "sheet", fibers.sheet);
+  add(data, "sheet_normal", fibers.sheet_normal);
+}
+
+/// Cells of N nodes each with 32-bit ids.
+template <std::size_t N>
+vtkSmartPointer<vtkCellArray> cell_array(const std::vector<std::array<std::int32_t, N>>& cells) {
+  vtkNew<vtkTypeInt32Array> offsets, ids;
+  offsets->SetNumberOfValues(static_cast<vtkIdType>(cells.size() + 1));
+  for (std::size_t c = 0; c <= cells.size(); ++c)
+    offsets->SetValue(static_cast<vtkIdType>(c), static_cast<std::int32_t>(N * c));
+  ids->SetNumberOfValues(static_cast<vtkIdType>(N * cells.size()));
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    std::copy(cells[c].begin(), cells[c].end(), ids->GetPointer(static_cast<vtkIdType>(N * c)));
+  auto result = vtkSmartPointer<vtkCellArray>::New();
+  result->SetData(offsets, ids);
+  return result;
+}
+
+vtkSmartPointer<vtkPoints> borrow_points(const std::vector<Vec3>& points) {
+  auto result = vtkSmartPointer<vtkPoints>::New();
+  result->SetData(borrow("Points", points));
+  return result;
+}
+
+/// All settings that decide the bytes of an XML file are fixed here.
+template <class Writer>
+void write_xml(const std::filesystem::path& path, vtkDataObject* data) {
+  run_guarded(path, "cannot write", [&] {
+    vtkNew<Writer> writer;
+    writer->SetFileName(path.c_str());
+    writer->SetInputData(data);
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetCompressorTypeToZLib();
+    writer->SetCompressionLevel(3);
+    writer->SetByteOrderToLittleEndian();
+    writer->SetHeaderTypeToUInt64();
+    writer->SetBlockSize(1 << 18);
+    return writer->Write() == 1;
+  });
+}
+
+/// The faces of one surface (or all) on their own points.
+struct FacePatch {
+  std::vector<std::int32_t> nodes;  ///< ascending node ids of the mesh: the patch's points
+  std::vector<Face> faces;          ///< in patch numbering
+  std::vector<std::int32_t> surface;
+};
+
+FacePatch face_patch(const TetMesh& mesh, const std::int32_t* only_tag) {
+  std::vector<std::int32_t> patch_id(mesh.nodes_mm.size(), -1);
+  FacePatch patch;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (only_tag && mesh.surface[f] != *only_tag) continue;
+    patch.faces.push_back(mesh.faces[f]);
+    patch.surface.push_back(mesh.surface[f]);
+    for (const auto node : mesh.faces[f]) patch_id[static_cast<std::size_t>(node)] = 0;
+  }
+  if (!only_tag)
+    for (const auto& rim : mesh.rims)
+      for (const auto node : rim.nodes) patch_id[static_cast<std::size_t>(node)] = 0;
+  for (std::size_t n = 0; n < patch_id.size(); ++n) {
+    if (patch_id[n] < 0) continue;
+    patch_id[n] = static_cast<std::int32_t>(patch.nodes.size());
+    patch.nodes.push_back(static_cast<std::int32_t>(n));
+  }
+  for (auto& face : patch.faces)
+    for (auto& node : face) node = patch_id[static_cast<std::size_t>(node)];
+  return patch;
+}
+
+/// 1 at the points of a patch that lie on the rim.
+std::vector<std::uint8_t> rim_flags(const FacePatch& patch, const Rim& rim) {
+  std::vector<std::uint8_t> flags(patch.nodes.size());
+  for (std::size_t n = 0; n < flags.size(); ++n)
+    flags[n] = std::binary_search(rim.nodes.begin(), rim.nodes.end(), patch.nodes[n]) ? 1 : 0;
+  return flags;
+}
+
+void write_patch(const std::filesystem::path& path, const TetMesh& mesh, const FacePatch& patch,
+                 const std::vector<Rim>& rims) {
+  std::vector<Vec3> points;
+  std::vector<std::int32_t> global_ids, rim_tags;
+  for (const auto node : patch.nodes) {
+    points.push_back(mesh.nodes_mm[static_cast<std::size_t>(node)]);
+    global_ids.push_back(node + 1);
+  }
+  std::vector<std::vector<std::uint8_t>> flags;
+  for (const auto& rim : rims) {
+    flags.push_back(rim_flags(patch, rim));
+    rim_tags.push_back(rim.tag);
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(borrow_points(points));
+  data->SetPolys(cell_array(patch.faces));
+  data->GetCellData()->AddArray(borrow("surface", patch.surface));
+  data->GetPointData()->AddArray(borrow("GlobalNodeID", global_ids));
+  for (std::size_t r = 0; r < rims.size(); ++r) add(data->GetPointData(), rims[r].name.c_str(), flags[r]);
+  add(data->GetFieldData(), "rim_tag", rim_tags);
+  write_xml<vtkXMLPolyDataWriter>(path, data);
+}
+
+}  // namespace
+
+void write_vtu(const std::filesystem::path& path, const TetMesh& mesh) {
+  vtkNew<vtkUnstructuredGrid> grid;
+  grid->SetPoints(borrow_points(mesh.nodes_mm));
+  grid->SetCells(VTK_TETRA, cell_array(mesh.cells));
+  add(grid->GetCellData(), "region", mesh.region);
+  add_fibers(grid->GetCellData(), mesh.cell_fibers);
+  add(grid->GetCellData(), "parent_cell", mesh.parent_cell);
+  add_fibers(grid->GetPointData(), mesh.node_fibers);
+  add(grid->GetPointData(), "fiber_source", mesh.fiber_source);
+  add(grid->GetPointData(), "parent_node", mesh.parent_node);
+  write_xml<vtkXMLUnstructuredGridWriter>(path, grid);
+}
+
+void write_vtp(const std::filesystem::path& path, const TetMesh& mesh) {
+  write_patch(path, mesh, face_patch(mesh, nullptr), mesh.rims);
+}
+
+void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, std::int32_t surface_tag) {
+  write_patch(path, mesh, face_patch(mesh, &surface_tag), {});
+}
+
+void write_unstructured(const std::filesystem::path& path, const UnstructuredData& data) {
+  vtkNew<vtkUnstructuredGrid> grid;
+  grid->SetPoints(borrow_points(data.points));
+  grid->SetCells(VTK_TETRA, cell_array(data.tets));
+  const auto add_all = [](vtkFieldData* target, const auto& arrays) {
+    for (const auto& [name, values] : arrays) add(target, name.c_str(), values);
+  };
+  add_all(grid->GetCellData(), data.cell_scalars);
+  add_all(grid->GetCellData(), data.cell_vectors);
+  add_all(grid->GetCellData(), data.cell_tensors);
+  add_all(grid->GetPointData(), data.point_scalars);
+  add_all(grid->GetPointData(), data.point_vectors);
+  add_all(grid->GetPointData(), data.point_tensors);
+  if (path.extension() == ".vtu") {
+    write_xml<vtkXMLUnstructuredGridWriter>(path, grid);
+    return;
+  }
+  run_guarded(path, "cannot write", [&] {
+    vtkNew<vtkUnstructuredGridWriter> writer;
+    writer->SetFileName(path.c_str());
+    writer->SetInputData(grid);
+    writer->SetFileVersion(vtkUnstructuredGridWriter::VTK_LEGACY_READER_VERSION_4_2);
+    writer->SetHeader("heartgen");
+    writer->SetFileTypeToBinary();
+    return writer->Write() == 1;
+  });
+}
+
+std::string vtk_version() { return vtkVersion::GetVTKVersion(); }
+
+}  // namespace heart::adapters

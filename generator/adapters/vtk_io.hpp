@@ -1,0 +1,59 @@
+// Meshes as VTK files, VTK itself hidden. Written files are deterministic: appended zlib blocks, fixed settings, no
+// time stamps. Points in LPS mm. Not collective; call on one rank.
+//
+// NAME.vtu: points float64; cell arrays `region` int32, `fiber` `sheet` `sheet_normal` float64×3, `parent_cell` int32;
+//   point arrays `fiber` `sheet` `sheet_normal`, `fiber_source` uint8, `parent_node` int32. Empty arrays are left out.
+// NAME.vtp: the points that faces or rims use; cell array `surface` int32; point array `GlobalNodeID` int32, the
+//   1-based node in NAME.vtu; per rim one uint8 point array with the rim's name (1 on the rim), because a node may
+//   lie on several rims; field array `rim_tag` int32 with the rims' tags in the order of these arrays.
+//
+// Readers throw UserError naming the file when it is missing, truncated, inconsistent or of another kind; VTK's own
+// messages are captured into the error, nothing is printed.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/tet_mesh.hpp"
+
+namespace heart::adapters {
+
+/// Nodes, cells, regions, fibres and parent ids of a mesh; not its faces and rims.
+void write_vtu(const std::filesystem::path& path, const TetMesh& mesh);
+
+/// Faces, surface tags and rims of a mesh.
+void write_vtp(const std::filesystem::path& path, const TetMesh& mesh);
+
+/// Only the faces whose tag is `surface_tag`, with the points they use.
+void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, std::int32_t surface_tag);
+
+/// The inverse of write_vtu: faces, surface and rims are empty.
+TetMesh read_vtu(const std::filesystem::path& path);
+
+/// The inverse of write_vtp: fills faces, surface and rims of a mesh that read_vtu returned.
+void read_surface(const std::filesystem::path& path, TetMesh& mesh);
+
+/// Tetrahedra with named arrays as another program wrote them. Other cell types are skipped together with their cell
+/// data. Arrays of 1, 3, 6 (symmetric: xx yy zz xy yz xz) and 9 components are kept, as double.
+struct UnstructuredData {
+  std::vector<Vec3> points;  ///< in the file's own unit and frame
+  std::vector<Cell> tets;    ///< node ids as in the file: the orientation may be either
+  std::map<std::string, std::vector<double>> point_scalars, cell_scalars;
+  std::map<std::string, std::vector<Vec3>> point_vectors, cell_vectors;
+  std::map<std::string, std::vector<Mat3>> point_tensors, cell_tensors;
+};
+
+/// Legacy .vtk (ASCII or binary) or .vtu, told apart by the content. Throws UserError, also when there is no
+/// tetrahedron or a coordinate is not finite.
+UnstructuredData read_unstructured(const std::filesystem::path& path);
+
+/// .vtu like write_vtu, or (any other extension) binary legacy .vtk of file version 4.2, which older readers know too.
+/// All arrays are float64. Throws UserError.
+void write_unstructured(const std::filesystem::path& path, const UnstructuredData& data);
+
+/// e.g. "9.1.0"
+std::string vtk_version();
+
+}  // namespace heart::adapters

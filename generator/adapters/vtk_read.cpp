@@ -1,0 +1,228 @@
+// The reading half of vtk_io.hpp.
+#include <fmt/format.h>
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkFieldData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkUnstructuredGridReader.h>
+#include <vtkXMLPolyDataReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+
+#include "generator/adapters/vtk_guard.hpp"
+#include "generator/adapters/vtk_io.hpp"
+#include "model/error.hpp"
+
+namespace heart::adapters {
+namespace {
+
+[[noreturn]] void fail_reading(const std::filesystem::path& path, const std::string& problem) {
+  throw UserError(problem, path.string(), "is the file complete and of the kind its name says?");
+}
+
+void require_file(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) throw UserError("is a folder, not a file", path.string(), "");
+  if (!std::ifstream(path).good()) throw UserError("no such file, or no right to read it", path.string(), "");
+}
+
+/// An array by name with its shape checked, or nullptr when there is none.
+vtkDataArray* find_array(const std::filesystem::path& path, vtkFieldData* data, const char* name, int components,
+                         std::size_t tuples) {
+  vtkDataArray* array = data->GetArray(name);
+  if (!array) return nullptr;
+  if (array->GetNumberOfComponents() != components || array->GetNumberOfTuples() != static_cast<vtkIdType>(tuples))
+    fail_reading(path, fmt::format("array '{}' has {} tuples of {} components instead of {} of {}", name,
+                                   array->GetNumberOfTuples(), array->GetNumberOfComponents(), tuples, components));
+  return array;
+}
+
+std::vector<Vec3> vectors_of(vtkDataArray* array) {
+  std::vector<Vec3> result(array ? static_cast<std::size_t>(array->GetNumberOfTuples()) : 0);
+  for (std::size_t i = 0; i < result.size(); ++i) array->GetTuple(static_cast<vtkIdType>(i), &result[i].x);
+  return result;
+}
+
+template <class T>
+std::vector<T> scalars_of(vtkDataArray* array) {
+  std::vector<T> result(array ? static_cast<std::size_t>(array->GetNumberOfTuples()) : 0);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i] = static_cast<T>(array->GetComponent(static_cast<vtkIdType>(i), 0));
+  return result;
+}
+
+FiberField read_fibers(const std::filesystem::path& path, vtkFieldData* data, std::size_t tuples) {
+  return {vectors_of(find_array(path, data, "fiber", 3, tuples)),
+          vectors_of(find_array(path, data, "sheet", 3, tuples)),
+          vectors_of(find_array(path, data, "sheet_normal", 3, tuples))};
+}
+
+std::vector<Vec3> read_points(const std::filesystem::path& path, vtkPointSet* data) {
+  auto points = data->GetPoints() ? vectors_of(data->GetPoints()->GetData()) : std::vector<Vec3>{};
+  for (const auto& p : points)
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      fail_reading(path, "a coordinate is not a finite number");
+  return points;
+}
+
+/// One cell of N nodes; ids checked against the number of points.
+template <std::size_t N>
+std::array<std::int32_t, N> read_cell(const std::filesystem::path& path, vtkCellArray* cells, vtkIdType index,
+                                      std::size_t point_count) {
+  vtkIdType count = 0;
+  const vtkIdType* ids = nullptr;
+  cells->GetCellAtId(index, count, ids);
+  if (count != static_cast<vtkIdType>(N))
+    fail_reading(path, fmt::format("cell {} has {} nodes instead of {}", index, count, N));
+  std::array<std::int32_t, N> result;
+  for (std::size_t n = 0; n < N; ++n) {
+    if (ids[n] < 0 || ids[n] >= static_cast<vtkIdType>(point_count))
+      fail_reading(path, fmt::format("cell {} names node {}, but there are {} points", index, ids[n], point_count));
+    result[n] = static_cast<std::int32_t>(ids[n]);
+  }
+  return result;
+}
+
+template <class Reader, class Data>
+vtkSmartPointer<Data> read_with(const std::filesystem::path& path, const std::function<void(Reader*)>& set_up = {}) {
+  require_file(path);
+  vtkNew<Reader> reader;
+  if (set_up) set_up(reader);
+  run_guarded(path, "cannot read", [&] {
+    reader->SetFileName(path.c_str());
+    reader->Update();
+    return reader->GetErrorCode() == 0 && reader->GetOutput() != nullptr;
+  });
+  return reader->GetOutput();
+}
+
+Mat3 tensor_of(vtkDataArray* array, vtkIdType index) {
+  double t[9];
+  array->GetTuple(index, t);
+  if (array->GetNumberOfComponents() == 6)
+    return {{Vec3{t[0], t[3], t[5]}, Vec3{t[3], t[1], t[4]}, Vec3{t[5], t[4], t[2]}}};
+  return {{Vec3{t[0], t[1], t[2]}, Vec3{t[3], t[4], t[5]}, Vec3{t[6], t[7], t[8]}}};
+}
+
+/// The arrays of the points or of the cells, restricted to `kept` of the `total` tuples.
+struct NamedArrays {
+  std::map<std::string, std::vector<double>>& scalars;
+  std::map<std::string, std::vector<Vec3>>& vectors;
+  std::map<std::string, std::vector<Mat3>>& tensors;
+};
+
+void read_arrays(const std::filesystem::path& path, vtkDataSetAttributes* data, const std::vector<vtkIdType>& kept,
+                 vtkIdType total, NamedArrays arrays) {
+  for (int a = 0; a < data->GetNumberOfArrays(); ++a) {
+    vtkDataArray* array = data->GetArray(a);
+    if (!array) continue;  // strings
+    const std::string name = array->GetName() ? array->GetName() : fmt::format("array_{}", a);
+    if (array->GetNumberOfTuples() != total)
+      fail_reading(path,
+                   fmt::format("array '{}' has {} values instead of {}", name, array->GetNumberOfTuples(), total));
+    const int components = array->GetNumberOfComponents();
+    for (const auto i : kept) {
+      if (components == 1) arrays.scalars[name].push_back(array->GetComponent(i, 0));
+      if (components == 3) array->GetTuple(i, &arrays.vectors[name].emplace_back().x);
+      if (components == 6 || components == 9) arrays.tensors[name].push_back(tensor_of(array, i));
+    }
+  }
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> read_grid(const std::filesystem::path& path) {
+  require_file(path);
+  std::string start(256, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  if (start.rfind("# vtk DataFile", 0) == 0)
+    return read_with<vtkUnstructuredGridReader, vtkUnstructuredGrid>(path, [](vtkUnstructuredGridReader* reader) {
+      reader->ReadAllScalarsOn();
+      reader->ReadAllVectorsOn();
+      reader->ReadAllNormalsOn();
+      reader->ReadAllTensorsOn();
+      reader->ReadAllFieldsOn();
+    });
+  if (start.find("<VTKFile") != std::string::npos && start.find("\"UnstructuredGrid\"") != std::string::npos)
+    return read_with<vtkXMLUnstructuredGridReader, vtkUnstructuredGrid>(path);
+  fail_reading(path, "neither a legacy .vtk nor a .vtu file with an unstructured grid");
+}
+
+}  // namespace
+
+TetMesh read_vtu(const std::filesystem::path& path) {
+  const auto grid = read_with<vtkXMLUnstructuredGridReader, vtkUnstructuredGrid>(path);
+  TetMesh mesh;
+  mesh.nodes_mm = read_points(path, grid);
+  const auto cells = static_cast<std::size_t>(grid->GetNumberOfCells());
+  const auto nodes = mesh.nodes_mm.size();
+  for (std::size_t c = 0; c < cells; ++c)
+    mesh.cells.push_back(read_cell<4>(path, grid->GetCells(), static_cast<vtkIdType>(c), nodes));
+  vtkFieldData* on_cells = grid->GetCellData();
+  vtkFieldData* on_nodes = grid->GetPointData();
+  mesh.region = scalars_of<std::int32_t>(find_array(path, on_cells, "region", 1, cells));
+  if (mesh.region.size() != cells) fail_reading(path, "cell array 'region' is missing");
+  mesh.cell_fibers = read_fibers(path, on_cells, cells);
+  mesh.node_fibers = read_fibers(path, on_nodes, nodes);
+  mesh.fiber_source = scalars_of<std::uint8_t>(find_array(path, on_nodes, "fiber_source", 1, nodes));
+  mesh.parent_node = scalars_of<std::int32_t>(find_array(path, on_nodes, "parent_node", 1, nodes));
+  mesh.parent_cell = scalars_of<std::int32_t>(find_array(path, on_cells, "parent_cell", 1, cells));
+  return mesh;
+}
+
+void read_surface(const std::filesystem::path& path, TetMesh& mesh) {
+  const auto data = read_with<vtkXMLPolyDataReader, vtkPolyData>(path);
+  const auto points = static_cast<std::size_t>(data->GetNumberOfPoints());
+  const auto faces = static_cast<std::size_t>(data->GetNumberOfPolys());
+  auto node = scalars_of<std::int32_t>(find_array(path, data->GetPointData(), "GlobalNodeID", 1, points));
+  if (node.size() != points) fail_reading(path, "point array 'GlobalNodeID' is missing");
+  for (auto& id : node)
+    if (--id < 0 || static_cast<std::size_t>(id) >= mesh.nodes_mm.size())
+      fail_reading(path, fmt::format("GlobalNodeID {} is not a node of the mesh", id + 1));
+  mesh.faces.clear();
+  for (std::size_t f = 0; f < faces; ++f) {
+    mesh.faces.push_back(read_cell<3>(path, data->GetPolys(), static_cast<vtkIdType>(f), points));
+    for (auto& id : mesh.faces.back()) id = node[static_cast<std::size_t>(id)];
+  }
+  mesh.surface = scalars_of<std::int32_t>(find_array(path, data->GetCellData(), "surface", 1, faces));
+  if (mesh.surface.size() != faces) fail_reading(path, "cell array 'surface' is missing");
+  mesh.rims.clear();
+  const auto rim_tags = scalars_of<std::int32_t>(data->GetFieldData()->GetArray("rim_tag"));
+  for (int a = 0; a < data->GetPointData()->GetNumberOfArrays() && mesh.rims.size() < rim_tags.size(); ++a) {
+    const std::string name = data->GetPointData()->GetArrayName(a);
+    if (name == "GlobalNodeID") continue;
+    Rim rim{name, rim_tags[mesh.rims.size()], {}};
+    const auto flags = scalars_of<std::uint8_t>(find_array(path, data->GetPointData(), name.c_str(), 1, points));
+    for (std::size_t p = 0; p < flags.size(); ++p)
+      if (flags[p]) rim.nodes.push_back(node[p]);
+    mesh.rims.push_back(std::move(rim));
+  }
+  if (mesh.rims.size() != rim_tags.size()) fail_reading(path, "a rim of 'rim_tag' has no point array");
+}
+
+UnstructuredData read_unstructured(const std::filesystem::path& path) {
+  const auto grid = read_grid(path);
+  UnstructuredData result;
+  result.points = read_points(path, grid);
+  std::vector<vtkIdType> tets, nodes(result.points.size());
+  for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c) {
+    if (grid->GetCellType(c) != VTK_TETRA) continue;
+    tets.push_back(c);
+    result.tets.push_back(read_cell<4>(path, grid->GetCells(), c, result.points.size()));
+  }
+  if (tets.empty()) fail_reading(path, "there is no tetrahedron in the file");
+  for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n] = static_cast<vtkIdType>(n);
+  read_arrays(path, grid->GetPointData(), nodes, grid->GetNumberOfPoints(),
+              {result.point_scalars, result.point_vectors, result.point_tensors});
+  read_arrays(path, grid->GetCellData(), tets, grid->GetNumberOfCells(),
+              {result.cell_scalars, result.cell_vectors, result.cell_tensors});
+  return result;
+}
+
+}  // namespace heart::adapters

@@ -1,0 +1,425 @@
+#!/usr/bin/python3
+"""Opens exported files with other people's readers and compares them with the bundle they came from.
+
+usage: check_exports.py BUNDLE EXPORTS
+
+EXPORTS is searched for .vtk .vtu .vtp .msh .xdmf .h5 .pts .node files; the mesh is told by the file's name. Compared:
+numbers of nodes, cells and faces, cells per region and faces per surface by name, coordinates node by node (up to one
+factor, the unit), fibres. Readers: VTK (required: it reads the bundle itself), gmsh, meshio, h5py.
+Exit code 0: all equal; 1: a difference; 77: VTK is missing, nothing was checked.
+"""
+import collections
+import json
+import os
+import re
+import sys
+import tempfile
+
+try:
+    import numpy as np
+    import vtk
+    from vtk.util.numpy_support import vtk_to_numpy
+except ImportError as error:
+    print(f"skipped: {error}; install python3-vtk9 and python3-numpy")
+    sys.exit(77)
+
+
+def optional(name):
+    try:
+        return __import__(name)
+    except ImportError:
+        print(f"note: python module {name} is missing, its checks are left out")
+        return None
+
+
+gmsh, meshio, h5py = optional("gmsh"), optional("meshio"), optional("h5py")
+checked = collections.Counter()
+failures = []
+
+
+def expect(condition, file, message):
+    checked[file] += 1
+    if not condition:
+        failures.append(f"{file}: {message}")
+
+
+def expect_equal(found, wanted, file, what):
+    expect(found == wanted, file, f"{what}: found {found}, the bundle has {wanted}")
+
+
+def expect_close(found, wanted, file, what, tolerance=1e-12):
+    found, wanted = np.asarray(found, float), np.asarray(wanted, float)
+    if found.shape != wanted.shape:
+        expect(False, file, f"{what}: shape {found.shape}, the bundle has {wanted.shape}")
+        return
+    worst = np.abs(found - wanted).max() if wanted.size else 0
+    expect(worst <= tolerance, file, f"{what}: differs by {worst}")
+
+
+def arrays_of(data):
+    return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays()) if data.GetArray(i)}
+
+
+class Failed(Exception):
+    pass
+
+
+def vtk_read(reader, path):
+    errors = []
+    reader.AddObserver("ErrorEvent", lambda *_: errors.append(1))
+    reader.SetFileName(path)
+    reader.Update()
+    if errors or reader.GetOutputDataObject(0) is None:
+        raise Failed("VTK reports an error")
+    return reader.GetOutputDataObject(0)
+
+
+def cells_of(grid, nodes_per_cell):
+    cells = grid.GetCells() if hasattr(grid, "GetCells") else grid.GetPolys()
+    return vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, nodes_per_cell)
+
+
+class Mesh:
+    """One mesh of the bundle, as VTK reads it, beside its entry in the manifest."""
+
+    def __init__(self, bundle, name, manifest):
+        entry = manifest["meshes"][name]
+        self.name, self.entry, self.manifest = name, entry, manifest
+        volume = vtk_read(vtk.vtkXMLUnstructuredGridReader(), os.path.join(bundle, entry["file"]))
+        faces = vtk_read(vtk.vtkXMLPolyDataReader(), os.path.join(bundle, entry["surface_file"]))
+        self.nodes = vtk_to_numpy(volume.GetPoints().GetData())
+        self.cells = cells_of(volume, 4)
+        self.on_nodes, self.on_cells = arrays_of(volume.GetPointData()), arrays_of(volume.GetCellData())
+        ids = vtk_to_numpy(faces.GetPointData().GetArray("GlobalNodeID")) - 1
+        self.faces = ids[cells_of(faces, 3)]
+        self.surface = vtk_to_numpy(faces.GetCellData().GetArray("surface"))
+        self.region = self.on_cells["region"]
+        where = entry["file"]
+        expect_equal(len(self.nodes), entry["nodes"], where, "nodes")
+        expect_equal(len(self.cells), entry["cells"], where, "cells")
+        expect_equal(len(self.faces), entry["faces"], entry["surface_file"], "faces")
+        expect_equal(self.counts(self.region, "regions"), entry["regions"], where, "cells per region")
+        expect_equal(self.counts(self.surface, "surfaces"), entry["surfaces"], entry["surface_file"], "faces per surface")
+        rims = {name: int(flags.sum()) for name, flags in arrays_of(faces.GetPointData()).items() if name in manifest["rims"]}
+        expect_equal(rims, entry["rims"], entry["surface_file"], "nodes per rim")
+
+    def counts(self, tags, table):
+        names = {tag: name for name, tag in self.manifest[table].items()}
+        return {names.get(int(tag), f"unknown {tag}"): int(n) for tag, n in zip(*np.unique(tags, return_counts=True))}
+
+    def check_nodes(self, nodes, file):
+        """Equal up to the unit, which is one factor."""
+        nodes = np.asarray(nodes, float)
+        if nodes.shape != self.nodes.shape:
+            expect_equal(len(nodes), len(self.nodes), file, "nodes")
+            return
+        scales = np.array([1, 1000, 0.1, 0.001])
+        fits = [np.allclose(nodes, s * self.nodes, rtol=1e-12, atol=1e-9 * s) for s in scales]
+        expect(any(fits), file, "coordinates differ from the bundle's in every unit")
+
+    def check_cells(self, cells, file):
+        expect_equal(np.asarray(cells).tolist(), self.cells.tolist(), file, "cells")
+
+    def check_faces(self, faces, file):
+        expect_equal(np.asarray(faces).tolist(), self.faces.tolist(), file, "faces")
+
+    def check_regions(self, tags, file):
+        expect_equal(self.counts(tags, "regions"), self.entry["regions"], file, "cells per region")
+
+    def check_surfaces(self, tags, file):
+        expect_equal(self.counts(tags, "surfaces"), self.entry["surfaces"], file, "faces per surface")
+
+    def check_fibers(self, on_nodes, on_cells, file):
+        for axis in ("fiber", "sheet", "sheet_normal"):
+            for wanted, found, where in ((self.on_nodes, on_nodes, "nodes"), (self.on_cells, on_cells, "cells")):
+                if axis in wanted and found is not None:
+                    expect(axis in found, file, f"{axis} on {where} is missing")
+                    if axis in found:
+                        expect_close(found[axis], wanted[axis], file, f"{axis} on {where}")
+
+
+# --------------------------------------------------------------------------------------------------------- VTK
+
+
+def check_volume(grid, mesh, file, region_array, has_node_fibers):
+    mesh.check_nodes(vtk_to_numpy(grid.GetPoints().GetData()), file)
+    mesh.check_cells(cells_of(grid, 4), file)
+    on_cells = arrays_of(grid.GetCellData())
+    expect(region_array in on_cells, file, f"cell array {region_array} is missing")
+    if region_array in on_cells:
+        mesh.check_regions(on_cells[region_array], file)
+    mesh.check_fibers(arrays_of(grid.GetPointData()) if has_node_fibers else None, on_cells, file)
+
+
+def check_surface(poly, mesh, file):
+    faces, tags = cells_of(poly, 3), vtk_to_numpy(poly.GetCellData().GetArray("surface"))
+    ids = poly.GetPointData().GetArray("GlobalNodeID")
+    if ids is not None:
+        ids = vtk_to_numpy(ids) - 1
+        expect(ids.min() >= 0 and ids.max() < len(mesh.nodes), file, "GlobalNodeID out of range")
+        faces = ids[faces]
+    wanted = np.isin(mesh.surface, tags)
+    expect_equal(faces.tolist(), mesh.faces[wanted].tolist(), file, "faces")
+    if len(np.unique(tags)) > 1:
+        mesh.check_surfaces(tags, file)
+
+
+def check_with_vtk(path, mesh, file):
+    if path.endswith(".vtp"):
+        check_surface(vtk_read(vtk.vtkXMLPolyDataReader(), path), mesh, file)
+    elif path.endswith(".vtu"):
+        grid = vtk_read(vtk.vtkXMLUnstructuredGridReader(), path)
+        family = grid.GetCellData().GetArray("FIB_DIR")
+        if family is None:
+            check_volume(grid, mesh, file, "region", True)
+        else:
+            axis = "sheet" if "_sheet." in path else "fiber"
+            expect_close(vtk_to_numpy(family), mesh.on_cells[axis], file, "FIB_DIR")
+    elif path.endswith("_surfaces.vtk"):
+        check_surface(vtk_read(vtk.vtkPolyDataReader(), path), mesh, file)
+    else:
+        reader = vtk.vtkUnstructuredGridReader()
+        for kind in ("Scalars", "Vectors"):
+            getattr(reader, f"ReadAll{kind}On")()
+        grid = vtk_read(reader, path)
+        arrays = arrays_of(grid.GetCellData())
+        region = next((name for name in ("region", "material", "tags") if name in arrays), "region")
+        check_volume(grid, mesh, file, region, region == "region")
+
+
+# ------------------------------------------------------------------------------------------------------ meshio
+
+
+def meshio_read(path):
+    """meshio 5.0 fails on every .msh 2.2 with $ElementData (it takes the length of a pair for the number of cells):
+    there the sections are left out."""
+    with open(path, "rb") as stream:
+        text = stream.read()
+    if not text.startswith(b"$MeshFormat\n2.2") or b"$ElementData" not in text:
+        return meshio.read(path)
+    with tempfile.TemporaryDirectory() as folder:
+        short = os.path.join(folder, "short.msh")
+        with open(short, "wb") as stream:
+            stream.write(re.sub(rb"\$ElementData.*?\$EndElementData\n", b"", text, flags=re.DOTALL))
+        return meshio.read(short)
+
+
+def check_with_meshio(path, mesh, file):
+    found = meshio_read(path)
+    triangles = path.endswith("_facets.xdmf")
+    kind = "triangle" if triangles else "tetra"
+    mesh.check_nodes(found.points, file)
+    cells = np.vstack([block.data for block in found.cells if block.type == kind])
+    grouped = path.endswith(".msh") and len([b for b in found.cells if b.type == "tetra"]) > 1
+    order = np.argsort(mesh.region, kind="stable") if grouped else np.arange(len(mesh.region))
+    if triangles:
+        mesh.check_faces(cells, file)
+    else:
+        expect_equal(cells.tolist(), mesh.cells[order].tolist(), file, "cells")
+
+    def of_kind(name, wanted):
+        return np.concatenate([data for block, data in zip(found.cells, found.cell_data[name]) if block.type == wanted])
+
+    if path.endswith(".msh"):
+        mesh.check_regions(of_kind("gmsh:physical", "tetra"), file)
+        mesh.check_surfaces(of_kind("gmsh:physical", "triangle"), file)
+        names = {name: [int(v) for v in value] for name, value in found.field_data.items()}
+        for table, dimension in (("regions", 3), ("surfaces", 2)):
+            for name in mesh.entry[table]:
+                expect_equal(names.get(name), [mesh.manifest[table][name], dimension], file, f"physical name {name}")
+    elif path.endswith(".xdmf"):
+        tags = of_kind("facet_tags" if triangles else "cell_tags", kind)
+        (mesh.check_surfaces if triangles else mesh.check_regions)(tags, file)
+        table = "surfaces" if triangles else "regions"
+        for name in mesh.entry[table]:
+            expect_equal(int(found.field_data[name][0]), mesh.manifest[table][name], file, f"tag of {name}")
+    else:
+        name = next(name for name in ("region", "material", "tags") if name in found.cell_data)
+        mesh.check_regions(of_kind(name, "tetra"), file)
+    if not triangles:
+        back = np.argsort(order)
+        on_cells = {n: of_kind(n, "tetra")[back] for n in ("fiber", "sheet", "sheet_normal") if n in found.cell_data}
+        mesh.check_fibers(found.point_data if "fiber" in found.point_data else None, on_cells or None, file)
+
+
+# -------------------------------------------------------------------------------------------------------- gmsh
+
+
+def gmsh_groups(dimension):
+    groups = {}
+    for dim, tag in gmsh.model.getPhysicalGroups(dimension):
+        elements = 0
+        for entity in gmsh.model.getEntitiesForPhysicalGroup(dim, tag):
+            elements += sum(len(tags) for tags in gmsh.model.mesh.getElements(dim, entity)[1])
+        groups[gmsh.model.getPhysicalName(dim, tag)] = elements
+    return groups
+
+
+def check_gmsh_model(mesh, file):
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    nodes = np.empty((len(tags), 3))
+    nodes[np.asarray(tags, int) - 1] = np.reshape(coordinates, (-1, 3))
+    mesh.check_nodes(nodes, file)
+    expect_equal(gmsh_groups(3), mesh.entry["regions"], file, "cells per physical volume")
+    expect_equal(gmsh_groups(2), mesh.entry["surfaces"], file, "faces per physical surface")
+
+
+def check_gmsh_views(mesh, file):
+    views = collections.defaultdict(list)
+    for view in gmsh.view.getTags():
+        index = gmsh.view.getIndex(view)
+        views[gmsh.option.getString(f"View[{index}].Name")].append(view)
+    for axis in ("fiber", "sheet", "sheet_normal"):
+        for view in views[axis]:
+            kind, tags, data, _, components = gmsh.view.getModelData(view, 0)
+            expect_equal(components, 3, file, f"components of view {axis}")
+            if kind == "NodeData":
+                expect_equal(list(tags), list(range(1, len(mesh.nodes) + 1)), file, f"nodes of view {axis}")
+                expect_close(np.reshape(data, (-1, 3)), mesh.on_nodes[axis], file, f"view {axis} on nodes")
+            else:
+                lengths = np.linalg.norm(np.reshape(data, (-1, 3))[: len(mesh.cells)], axis=1)
+                wanted = np.linalg.norm(mesh.on_cells[axis], axis=1)
+                expect_close(np.sort(lengths), np.sort(wanted), file, f"view {axis} on cells")
+        wanted = (axis in mesh.on_nodes) + (axis in mesh.on_cells)
+        expect_equal(len(views[axis]), wanted, file, f"views named {axis}")
+
+
+def check_with_gmsh(path, mesh, file):
+    gmsh.initialize()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(path)
+        check_gmsh_model(mesh, file)
+        check_gmsh_views(mesh, file)
+        with tempfile.TemporaryDirectory() as folder:  # names survive gmsh's own writing
+            again = os.path.join(folder, "again.msh")
+            gmsh.write(again)
+            gmsh.open(again)
+            check_gmsh_model(mesh, file + " written again by gmsh")
+    finally:
+        gmsh.finalize()
+
+
+# ---------------------------------------------------------------------------------------------- HDF5 and text
+
+
+def check_with_h5py(path, mesh, file):
+    with h5py.File(path, "r") as h5:
+        mesh.check_nodes(h5["mesh/geometry"][()], file)
+        mesh.check_cells(h5["mesh/topology"][()], file)
+        mesh.check_faces(h5["facets/topology"][()], file)
+        mesh.check_regions(h5["mesh/cell_tags"][()], file)
+        mesh.check_surfaces(h5["facets/facet_tags"][()], file)
+        mesh.check_fibers(h5.get("nodes", {}), h5.get("cells", {}), file)
+        rims = {name: len(nodes) for name, nodes in h5.get("rims", {}).items()}
+        expect_equal(rims, mesh.entry["rims"], file, "nodes per rim")
+
+
+def rows(path, columns, header=1):
+    with open(path, encoding="ascii") as stream:
+        return np.array([line.split()[-columns:] for line in stream.read().splitlines()[header:]], dtype=float)
+
+
+def check_opencarp(path, mesh, file):
+    base = path[: -len(".pts")]
+    mesh.check_nodes(rows(path, 3), file)
+    elements = rows(base + ".elem", 5).astype(int)
+    mesh.check_cells(elements[:, :4], file)
+    mesh.check_regions(elements[:, 4], file)
+    if "fiber" in mesh.on_cells:
+        axes = rows(base + ".lon", 6)
+        mesh.check_fibers(None, {"fiber": axes[:, :3], "sheet": axes[:, 3:], "sheet_normal": mesh.on_cells["sheet_normal"]}, file)
+    for name, tag in mesh.manifest["surfaces"].items():
+        if name in mesh.entry["surfaces"]:
+            ids = rows(f"{base}_{name}.vtx", 1, header=2).astype(int).ravel()
+            expect_equal(ids.tolist(), sorted(set(mesh.faces[mesh.surface == tag].ravel().tolist())), file, f"{name}.vtx")
+
+
+def check_chaste(path, mesh, file):
+    base = path[: -len(".node")]
+    mesh.check_nodes(rows(path, 3), file)
+    elements = rows(base + ".ele", 5).astype(int)
+    mesh.check_cells(elements[:, :4], file)
+    mesh.check_regions(elements[:, 4], file)
+    count = collections.Counter(tuple(sorted(c)) for cell in mesh.cells for c in (cell[[0, 1, 2]], cell[[0, 1, 3]], cell[[0, 2, 3]], cell[[1, 2, 3]]))
+    outer = sorted(face for face, n in count.items() if n == 1)
+    faces = rows(base + ".face", 4).astype(int)[:, :3]
+    expect_equal(sorted(tuple(sorted(face)) for face in faces.tolist()), [tuple(int(n) for n in face) for face in outer], file, "outer faces")
+    if os.path.exists(base + ".ortho"):
+        axes = rows(base + ".ortho", 9).reshape(-1, 3, 3)
+        expect_close(axes @ axes.transpose(0, 2, 1), np.broadcast_to(np.eye(3), axes.shape), file, "orthonormal axes", 1e-4)
+
+
+def check_markers(path, mesh, file):
+    with open(path, encoding="utf-8") as stream:
+        markers = json.load(stream)
+    wanted = {name: [mesh.manifest[table][name], dimension]
+              for table, dimension in (("regions", 3), ("surfaces", 2), ("rims", 0)) for name in mesh.entry[table]}
+    expect_equal(markers, wanted, file, "markers")
+
+
+def check_readme(bundle):
+    """The Python that the bundle's README shows must run in the bundle's folder."""
+    with open(os.path.join(bundle, "README.md"), encoding="utf-8") as stream:
+        examples = re.findall(r"```python\n(.*?)```", stream.read(), flags=re.DOTALL)
+    expect(len(examples) > 0, "README.md", "shows no Python")
+    before = os.getcwd()
+    os.chdir(bundle)
+    for example in examples:
+        if "meshio" in example and not meshio:
+            continue
+        try:
+            exec(compile(example, "README.md", "exec"), {})
+            expect(True, "README.md", "")
+        except KeyError as error:  # a mesh without fibres has no such array
+            expect(error.args == ("fiber",), "README.md", f"KeyError: {error}")
+        except Exception as error:
+            expect(False, "README.md", f"{type(error).__name__}: {error}")
+    os.chdir(before)
+
+
+def checks_for(path):
+    ending = os.path.splitext(path)[1]
+    table = {
+        ".vtk": [check_with_vtk], ".vtu": [check_with_vtk], ".vtp": [check_with_vtk], ".msh": [], ".xdmf": [],
+        ".h5": [check_with_h5py] if h5py else [], ".pts": [check_opencarp], ".node": [check_chaste],
+        ".json": [check_markers] if path.endswith("_markers.json") else [],
+    }
+    if ending not in table:
+        return []
+    checks = list(table[ending])
+    if gmsh and ending == ".msh":
+        checks.append(check_with_gmsh)
+    plain = not path.endswith("_surfaces.vtk") and "svmultiphysics" not in path
+    if meshio and plain and (ending in (".vtk", ".vtu", ".msh") or (ending == ".xdmf" and h5py)):
+        checks.append(check_with_meshio)
+    return checks
+
+
+def main(bundle, exports):
+    with open(os.path.join(bundle, "manifest.json"), encoding="utf-8") as stream:
+        manifest = json.load(stream)
+    meshes = {name: Mesh(bundle, name, manifest) for name in manifest["meshes"]}
+    check_readme(bundle)
+    for folder, _, names in sorted(os.walk(exports)):
+        for name in sorted(names):
+            path = os.path.join(folder, name)
+            owners = [m for m in meshes if name == m or name.startswith(m + ".") or name.startswith(m + "_")]
+            for check in checks_for(path) if owners else []:
+                file = f"{os.path.relpath(path, exports)} ({check.__name__[6:].replace('with_', '')})"
+                try:
+                    check(path, meshes[max(owners, key=len)], file)
+                except Exception as error:  # any exception of a foreign reader is a failed export
+                    expect(False, file, f"{type(error).__name__}: {error}")
+    for file in sorted(checked):
+        print(f"{checked[file]:4d} comparisons  {file}")
+    for failure in failures:
+        print("FAILED " + (failure if len(failure) < 600 else failure[:600] + " ..."))
+    print(f"{sum(checked.values())} comparisons, {len(failures)} failed")
+    return 1 if failures or not checked else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    sys.exit(main(os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])))

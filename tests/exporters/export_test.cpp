@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <set>
+
+#include "exporters/adjacency.hpp"
+#include "exporters/bundle.hpp"
+#include "exporters/registry.hpp"
+#include "model/error.hpp"
+#include "support/comma_locale.hpp"
+#include "support/data.hpp"
+#include "support/two_region_mesh.hpp"
+
+namespace heart::exporters {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::scratch_folder;
+using testing::two_region_mesh;
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string error_of(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const UserError& error) {
+    return error.message;
+  }
+  return "";
+}
+
+TEST(Export, UnknownFormatAndUnitNameTheKnownOnes) {
+  const auto folder = scratch_folder("export_unknown");
+  const TetMesh mesh = two_region_mesh(1);
+  EXPECT_NE(error_of([&] { export_mesh("stl", mesh, "m", folder); }).find("xdmf"), std::string::npos);
+  EXPECT_NE(error_of([&] { export_mesh("vtk", mesh, "m", folder, "inch"); }).find("mm, um, cm, m"), std::string::npos);
+}
+
+TEST(Export, TableHasUniqueNames) {
+  std::set<std::string_view> names;
+  for (const auto& format : export_formats()) {
+    EXPECT_TRUE(names.insert(format.name).second) << format.name;
+    EXPECT_NO_THROW(unit_scale(format.unit)) << format.name;
+  }
+}
+
+TEST(Export, SameBytesWhateverFolderTimeAndLocale) {
+  const auto folder = scratch_folder("export_same");
+  const TetMesh mesh = two_region_mesh(2);
+  for (const auto& format : export_formats()) {
+    const auto first = export_mesh(format.name, mesh, "m", folder / "a" / format.name);
+    const testing::CommaLocale comma;
+    const auto second = export_mesh(format.name, mesh, "m", folder / "b" / format.name);
+    ASSERT_EQ(first.size(), second.size());
+    for (std::size_t f = 0; f < first.size(); ++f) {
+      EXPECT_TRUE(fs::exists(first[f])) << first[f];
+      EXPECT_EQ(bytes_of(first[f]), bytes_of(second[f])) << first[f];
+    }
+  }
+}
+
+TEST(Export, FilesThatCannotBeWrittenAreAnError) {
+  const auto folder = scratch_folder("export_full");
+  const TetMesh mesh = two_region_mesh(1);
+  for (const auto& format : export_formats()) {
+    const auto files = export_mesh(format.name, mesh, "m", folder / format.name);
+    for (const auto& file : files) {
+      fs::remove(file);
+      fs::create_directory(file);  // a folder where the file should be
+      EXPECT_NE(error_of([&] { export_mesh(format.name, mesh, "m", folder / format.name); }), "")
+          << format.name << " " << file;
+      fs::remove(file);
+    }
+  }
+}
+
+TEST(Export, UnitsScaleTheNodesOnly) {
+  const auto folder = scratch_folder("export_units");
+  const TetMesh mesh = two_region_mesh(1);
+  export_mesh("opencarp", mesh, "m", folder);
+  std::ifstream points(folder / "m.pts");
+  std::size_t count = 0;
+  Vec3 first;
+  points >> count >> first.x >> first.y >> first.z;
+  EXPECT_EQ(count, mesh.nodes_mm.size());
+  EXPECT_EQ(first, 1000.0 * mesh.nodes_mm[0]);
+  std::ifstream axes(folder / "m.lon");
+  Vec3 fiber;
+  int families = 0;
+  axes >> families >> fiber.x >> fiber.y >> fiber.z;
+  EXPECT_EQ(families, 2);
+  EXPECT_EQ(fiber, mesh.cell_fibers.fiber[0]);
+}
+
+TEST(Export, MfemMaterialComesFirst) {
+  const auto folder = scratch_folder("export_mfem");
+  export_mesh("mfem", two_region_mesh(1), "m", folder);
+  const std::string text = bytes_of(folder / "m.vtk");
+  EXPECT_LT(text.find("SCALARS material int"), text.find("VECTORS"));
+  EXPECT_EQ(text.find("POINT_DATA"), std::string::npos);
+}
+
+TEST(Adjacency, FacesKnowTheirCells) {
+  const TetMesh mesh = two_region_mesh(3);
+  const auto sides = cells_of_faces(mesh);
+  std::size_t inner = 0;
+  for (std::size_t f = 0; f < sides.size(); ++f) {
+    ASSERT_GE(sides[f][0], 0);
+    for (const auto side : sides[f]) {
+      if (side < 0) continue;
+      const auto& cell = mesh.cells[static_cast<std::size_t>(side)];
+      for (const auto node : mesh.faces[f]) EXPECT_NE(std::find(cell.begin(), cell.end(), node), cell.end());
+    }
+    if (sides[f][1] < 0) continue;
+    ++inner;
+    EXPECT_NE(mesh.region[static_cast<std::size_t>(sides[f][0])], mesh.region[static_cast<std::size_t>(sides[f][1])]);
+  }
+  EXPECT_EQ(inner, 2U * 3 * 3);
+}
+
+TEST(Clients, OtherReadersAgreeWithTheBundle) {
+  const auto folder = scratch_folder("clients");
+  Bundle bundle;
+  bundle.name = "clients";
+  bundle.version = "1.0.0";
+  bundle.license = "CC0-1.0";
+  bundle.meshes["myocardium"] = two_region_mesh(3);
+  TetMesh bare = two_region_mesh(2, Region::trachea);
+  bare.node_fibers = bare.cell_fibers = {};
+  bare.fiber_source.clear();
+  bundle.meshes["trachea"] = bare;
+  write_bundle(bundle, folder / "bundle");
+  for (const auto& [name, mesh] : bundle.meshes)
+    for (const auto& format : export_formats())
+      export_mesh(format.name, read_mesh(folder / "bundle", name), name, folder / "exports" / format.name);
+  const auto script = fs::path(__FILE__).parent_path() / "../clients/check_exports.py";
+  const std::string command = "/usr/bin/python3 '" + script.lexically_normal().string() + "' '" +
+                              (folder / "bundle").string() + "' '" + (folder / "exports").string() + "' 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  ASSERT_NE(pipe, nullptr);
+  std::string output;
+  std::array<char, 4096> block;
+  while (const auto bytes = std::fread(block.data(), 1, block.size(), pipe)) output.append(block.data(), bytes);
+  const int status = pclose(pipe);
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  if (code == 77 || code == 127) GTEST_SKIP() << output;
+  EXPECT_EQ(code, 0) << output;
+}
+
+}  // namespace
+}  // namespace heart::exporters

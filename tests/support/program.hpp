@@ -1,0 +1,37 @@
+// Runs the heartgen program as a user would.
+#pragma once
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+namespace heart::testing {
+
+struct ProgramResult {
+  int exit_code = -1;
+  std::string output;  ///< standard output
+  std::string errors;  ///< standard error
+};
+
+inline std::string text_of(const std::string& path) {
+  std::string text;
+  if (FILE* file = std::fopen(path.c_str(), "rb")) {
+    std::array<char, 4096> buffer{};
+    while (const auto size = std::fread(buffer.data(), 1, buffer.size(), file)) text.append(buffer.data(), size);
+    std::fclose(file);
+  }
+  return text;
+}
+
+/// `launcher` comes before the program: "mpirun -n 2", "LC_ALL=de_DE.UTF-8" or nothing.
+inline ProgramResult heartgen(const std::string& arguments, const std::string& scratch,
+                              const std::string& launcher = "") {
+  const std::string out = scratch + "/stdout.txt", err = scratch + "/stderr.txt";
+  const std::string command = "cd " + scratch + " && " + launcher + " " + HEARTGEN_PROGRAM + " " + arguments + " >" +
+                              out + " 2>" + err + " </dev/null";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
+}
+
+}  // namespace heart::testing

@@ -1,0 +1,65 @@
+#include "generator/segment/diffusion.hpp"
+
+#include <utility>
+
+#include "generator/segment/primal_dual.hpp"
+#include "generator/segment/stencil.hpp"
+#include "model/error.hpp"
+
+namespace heart::segment {
+namespace {
+
+using parallel::Comm;
+using parallel::Slab;
+
+/// Explicit steps are monotonous, so stable, up to this step in 3D (units of the smallest squared spacing).
+constexpr double largest_step = 1.0 / 6;
+
+void check(int iterations, double time_step, const char* where) {
+  if (iterations < 0) throw UserError("iterations must not be negative", where, "0 leaves the image as it is");
+  if (!(time_step > 0) || time_step > largest_step * (1 + 1e-9))
+    throw UserError("time_step must lie in (0, 1/6]", where, "larger explicit steps are unstable; use more iterations");
+}
+
+/// Ghost slices beyond the image repeat its border: no flux through it.
+template <class Row>
+void iterate(Slab<float>& image, int iterations, const Comm& comm, Row&& row) {
+  auto next = parallel::make_slab_like<float>(image, image.ghosts);
+  for (int step = 0; step < iterations; ++step) {
+    parallel::exchange_halo(image, comm);
+    parallel::for_rows(image, [&](std::int64_t j, std::int64_t k) { row(stencil_row(image, next, j, k)); });
+    std::swap(image.values, next.values);
+  }
+  parallel::exchange_halo(image, comm);
+}
+
+}  // namespace
+
+void heat(Slab<float>& image, const HeatSettings& settings, const Comm& comm) {
+  check(settings.iterations, settings.time_step, "heat");
+  const AxisWeights steps = squared(axis_weights(image.grid), settings.time_step);
+  iterate(image, settings.iterations, comm, [&](const StencilRow& row) { heat_row(row, steps); });
+}
+
+void perona_malik(Slab<float>& image, const DenoiseSettings& settings, const Comm& comm) {
+  check(settings.iterations, settings.time_step, "denoise");
+  if (!(settings.edge_hu > 0)) throw UserError("edge_hu must be positive", "denoise", "60 suits CT");
+  const AxisWeights steps = squared(axis_weights(image.grid), settings.time_step);
+  const auto inverse_edge2 = static_cast<float>(1 / (settings.edge_hu * settings.edge_hu));
+  iterate(image, settings.iterations, comm,
+          [&](const StencilRow& row) { perona_malik_row(row, steps, inverse_edge2); });
+}
+
+Volume<float> heat(const Volume<float>& image_on_root, const HeatSettings& settings, const Comm& comm) {
+  auto slab = parallel::scatter(image_on_root, comm);
+  heat(slab, settings, comm);
+  return parallel::gather(slab, comm);
+}
+
+Volume<float> perona_malik(const Volume<float>& image_on_root, const DenoiseSettings& settings, const Comm& comm) {
+  auto slab = parallel::scatter(image_on_root, comm);
+  perona_malik(slab, settings, comm);
+  return parallel::gather(slab, comm);
+}
+
+}  // namespace heart::segment

@@ -1,0 +1,28 @@
+// The exact median of a distributed image under a mask (thesis 6.1), without moving the values: two histograms of 16
+// bits each over the ordered bit patterns, summed over the ranks. Threads, ranks and order do not matter.
+//
+// The median is the lower one: the element (n - 1) / 2 of the sorted values, as std::nth_element gives it. -0 counts
+// as +0. Values must be finite.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "generator/parallel/slab.hpp"
+
+namespace heart::segment {
+
+/// Median of the values where `mask` equals `label`; nothing where there is none. @collective
+std::optional<float> median(const parallel::Slab<float>& values, const parallel::Slab<std::uint8_t>& mask,
+                            std::uint8_t label, const parallel::Comm& comm);
+
+/// The medians of several labels in one go. @collective
+std::vector<std::optional<float>> medians(const parallel::Slab<float>& values, const parallel::Slab<std::uint8_t>& mask,
+                                          std::span<const std::uint8_t> labels, const parallel::Comm& comm);
+
+/// The same for grey values of 16 bits: one histogram. @collective
+std::optional<std::int16_t> median(const parallel::Slab<std::int16_t>& values, const parallel::Slab<std::uint8_t>& mask,
+                                   std::uint8_t label, const parallel::Comm& comm);
+
+}  // namespace heart::segment

@@ -1,0 +1,197 @@
+#include "generator/segment/row_kernels.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "generator/segment/vectorise.hpp"
+
+namespace heart::segment {
+namespace {
+
+HEART_INLINE float clamp01(float v) { return smaller(larger(v, 0.0f), 1.0f); }
+HEART_INLINE float link(std::uint8_t a, std::uint8_t b) { return static_cast<float>(static_cast<int>(a & b)); }
+
+/// Adds the ascent (ax, ay, az) to p at voxel i and projects onto the ball of this radius.
+HEART_INLINE void ascend(const DualRow& row, std::int64_t i, float ax, float ay, float az, float radius) {
+  const float x = row.px[i] + ax, y = row.py[i] + ay, z = row.pz[i] + az;
+  const float scale = radius / larger(larger(radius, 1e-30f), std::sqrt(x * x + y * y + z * z));
+  row.px[i] = x * scale;
+  row.py[i] = y * scale;
+  row.pz[i] = z * scale;
+}
+
+/// The last voxel of a row has no neighbour along x: loops over the others stop before it.
+HEART_INLINE std::int64_t end_of_links(const DualRow& row) { return row.end < row.nx ? row.end : row.nx - 1; }
+
+HEART_INLINE float divergence(const PrimalRow& row, std::int64_t i, const AxisWeights& w) {
+  return w.x * (row.px[i] - row.px[i - 1]) + w.y * (row.py[i] - row.py_j[i]) + w.z * (row.pz[i] - row.pz_k[i]);
+}
+
+HEART_INLINE void store(const PrimalRow& row, std::int64_t i, float value) {
+  row.bar[i] = 2 * value - row.u[i];
+  row.u[i] = value;
+}
+
+HEART_INLINE float gradient_norm(const DualRow& row, std::int64_t i, float dx, const AxisWeights& w) {
+  const float x = w.x * dx, y = w.y * (row.bar_j[i] - row.bar[i]), z = w.z * (row.bar_k[i] - row.bar[i]);
+  return std::sqrt(x * x + y * y + z * z);
+}
+
+HEART_INLINE float flux(float difference, float step, float inverse_edge2) {
+  return step * difference / (1.0f + difference * difference * inverse_edge2);
+}
+
+}  // namespace
+
+HEART_VECTOR void dual_row(const DualRow& r, const AxisWeights& step) {
+  const DualRow row = r;
+  const AxisWeights s = step;
+  const auto end = end_of_links(row);
+#pragma GCC ivdep
+  for (auto i = row.begin; i < end; ++i)
+    ascend(row, i, s.x * (row.bar[i + 1] - row.bar[i]), s.y * (row.bar_j[i] - row.bar[i]),
+           s.z * (row.bar_k[i] - row.bar[i]), 1.0f);
+  for (auto i = end; i < row.end; ++i)
+    ascend(row, i, 0.0f, s.y * (row.bar_j[i] - row.bar[i]), s.z * (row.bar_k[i] - row.bar[i]), 1.0f);
+}
+
+HEART_VECTOR void dual_row_masked(const DualRow& r, const AxisWeights& step, const std::uint8_t* mask,
+                                  const std::uint8_t* mask_j, const std::uint8_t* mask_k) {
+  const DualRow row = r;
+  const AxisWeights s = step;
+  const auto end = end_of_links(row);
+#pragma GCC ivdep
+  for (auto i = row.begin; i < end; ++i)
+    ascend(row, i, s.x * (row.bar[i + 1] - row.bar[i]) * link(mask[i], mask[i + 1]),
+           s.y * (row.bar_j[i] - row.bar[i]) * link(mask[i], mask_j[i]),
+           s.z * (row.bar_k[i] - row.bar[i]) * link(mask[i], mask_k[i]), 1.0f);
+  for (auto i = end; i < row.end; ++i)
+    ascend(row, i, 0.0f, s.y * (row.bar_j[i] - row.bar[i]) * link(mask[i], mask_j[i]),
+           s.z * (row.bar_k[i] - row.bar[i]) * link(mask[i], mask_k[i]), 1.0f);
+}
+
+HEART_VECTOR void dual_row_weighted(const DualRow& r, const AxisWeights& step, const float* h) {
+  const DualRow row = r;
+  const AxisWeights s = step;
+  const auto end = end_of_links(row);
+#pragma GCC ivdep
+  for (auto i = row.begin; i < end; ++i)
+    ascend(row, i, h[i] * (s.x * (row.bar[i + 1] - row.bar[i])), h[i] * (s.y * (row.bar_j[i] - row.bar[i])),
+           h[i] * (s.z * (row.bar_k[i] - row.bar[i])), h[i]);
+  for (auto i = end; i < row.end; ++i)
+    ascend(row, i, 0.0f, h[i] * (s.y * (row.bar_j[i] - row.bar[i])), h[i] * (s.z * (row.bar_k[i] - row.bar[i])), h[i]);
+}
+
+HEART_VECTOR void primal_row_force(const PrimalRow& r, const AxisWeights& step, const float* g,
+                                   const LinearForce& force) {
+  const PrimalRow row = r;
+  const AxisWeights s = step;
+  const LinearForce f = force;
+#pragma GCC ivdep
+  for (auto i = row.begin; i < row.end; ++i) {
+    const float pull = larger(-f.limit, smaller(f.limit, f.gain * (f.middle - g[i])));
+    store(row, i, clamp01(row.u[i] + divergence(row, i, s) - pull));
+  }
+}
+
+HEART_VECTOR void primal_row_steps(const PrimalRow& r, const AxisWeights& weights, const float* tau) {
+  const PrimalRow row = r;
+  const AxisWeights w = weights;
+#pragma GCC ivdep
+  for (auto i = row.begin; i < row.end; ++i) store(row, i, clamp01(row.u[i] + tau[i] * divergence(row, i, w)));
+}
+
+HEART_VECTOR void primal_row_l2(const PrimalRow& r, const AxisWeights& step, const float* g, float pull) {
+  const PrimalRow row = r;
+  const AxisWeights s = step;
+  const float scale = 1.0f / (1.0f + pull);
+#pragma GCC ivdep
+  for (auto i = row.begin; i < row.end; ++i) store(row, i, (row.u[i] + divergence(row, i, s) + pull * g[i]) * scale);
+}
+
+HEART_VECTOR void primal_row_l1(const PrimalRow& r, const AxisWeights& step, const float* g, float pull) {
+  const PrimalRow row = r;
+  const AxisWeights s = step;
+#pragma GCC ivdep
+  for (auto i = row.begin; i < row.end; ++i) {
+    const float away = row.u[i] + divergence(row, i, s) - g[i];
+    store(row, i, g[i] + (larger(away - pull, 0.0f) - larger(-away - pull, 0.0f)));
+  }
+}
+
+HEART_VECTOR void gradient_norms(const DualRow& r, const AxisWeights& weights, float* out) {
+  const DualRow row = r;
+  const AxisWeights w = weights;
+  const auto end = end_of_links(row);
+#pragma GCC ivdep
+  for (auto i = row.begin; i < end; ++i) out[i] = gradient_norm(row, i, row.bar[i + 1] - row.bar[i], w);
+  for (auto i = end; i < row.end; ++i) out[i] = gradient_norm(row, i, 0.0f, w);
+}
+
+double gradient_row_sum(const DualRow& row, const AxisWeights& weights, const float* h) {
+  thread_local std::vector<float> norms;
+  norms.resize(static_cast<std::size_t>(row.nx));
+  gradient_norms(row, weights, norms.data());
+  double sum = 0;
+  for (auto i = row.begin; i < row.end; ++i) {
+    const double norm = norms[static_cast<std::size_t>(i)];
+    sum += h ? static_cast<double>(h[i]) * norm : norm;
+  }
+  return sum;
+}
+
+HEART_VECTOR void divergence_row(const PrimalRow& r, const AxisWeights& weights, float* out) {
+  const PrimalRow row = r;
+  const AxisWeights w = weights;
+#pragma GCC ivdep
+  for (auto i = row.begin; i < row.end; ++i) out[i] = divergence(row, i, w);
+}
+
+namespace {
+
+HEART_INLINE float heat_at(const StencilRow& row, std::int64_t i, float left, float right, const AxisWeights& s) {
+  const float u = row.u[i];
+  return u + s.x * ((left - u) + (right - u)) + s.y * ((row.below_j[i] - u) + (row.above_j[i] - u)) +
+         s.z * ((row.below_k[i] - u) + (row.above_k[i] - u));
+}
+
+HEART_INLINE float perona_malik_at(const StencilRow& row, std::int64_t i, float left, float right, const AxisWeights& s,
+                                   float e) {
+  const float u = row.u[i];
+  return u + (flux(left - u, s.x, e) + flux(right - u, s.x, e)) +
+         (flux(row.below_j[i] - u, s.y, e) + flux(row.above_j[i] - u, s.y, e)) +
+         (flux(row.below_k[i] - u, s.z, e) + flux(row.above_k[i] - u, s.z, e));
+}
+
+}  // namespace
+
+HEART_VECTOR void heat_row(const StencilRow& r, const AxisWeights& step) {
+  const StencilRow row = r;
+  const AxisWeights s = step;
+  const auto last = row.nx - 1;
+  if (last == 0) {
+    row.out[0] = heat_at(row, 0, row.u[0], row.u[0], s);
+    return;
+  }
+  row.out[0] = heat_at(row, 0, row.u[0], row.u[1], s);
+#pragma GCC ivdep
+  for (std::int64_t i = 1; i < last; ++i) row.out[i] = heat_at(row, i, row.u[i - 1], row.u[i + 1], s);
+  row.out[last] = heat_at(row, last, row.u[last - 1], row.u[last], s);
+}
+
+HEART_VECTOR void perona_malik_row(const StencilRow& r, const AxisWeights& step, float inverse_edge2) {
+  const StencilRow row = r;
+  const AxisWeights s = step;
+  const float e = inverse_edge2;
+  const auto last = row.nx - 1;
+  if (last == 0) {
+    row.out[0] = perona_malik_at(row, 0, row.u[0], row.u[0], s, e);
+    return;
+  }
+  row.out[0] = perona_malik_at(row, 0, row.u[0], row.u[1], s, e);
+#pragma GCC ivdep
+  for (std::int64_t i = 1; i < last; ++i) row.out[i] = perona_malik_at(row, i, row.u[i - 1], row.u[i + 1], s, e);
+  row.out[last] = perona_malik_at(row, last, row.u[last - 1], row.u[last], s, e);
+}
+
+}  // namespace heart::segment

@@ -1,0 +1,30 @@
+// Private to this folder: a row of an image with its neighbours.
+#pragma once
+#include <algorithm>
+
+#include "generator/parallel/slab.hpp"
+#include "generator/segment/row_kernels.hpp"
+
+namespace heart::segment {
+
+/// Row (j, k) with its neighbouring rows. Beyond the image the border is repeated: along y here, along z by the ghost
+/// slices. No flux goes through it.
+inline StencilRow stencil_row(const parallel::Slab<float>& image, parallel::Slab<float>& out, std::int64_t j,
+                              std::int64_t k) {
+  const auto rows = image.grid.size[1];
+  return {image.row(j, k),
+          image.row(std::max<std::int64_t>(j - 1, 0), k),
+          image.row(std::min(j + 1, rows - 1), k),
+          image.row(j, k - 1),
+          image.row(j, k + 1),
+          out.row(j, k),
+          image.grid.size[0]};
+}
+
+/// Steps of a second-order operator: factor times the squares of the axis weights.
+inline AxisWeights squared(const AxisWeights& w, double factor) {
+  const auto f = static_cast<float>(factor);
+  return {f * w.x * w.x, f * w.y * w.y, f * w.z * w.z};
+}
+
+}  // namespace heart::segment

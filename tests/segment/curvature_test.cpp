@@ -1,0 +1,52 @@
+#include "generator/segment/curvature.hpp"
+
+#include <gtest/gtest.h>
+
+#include "model/error.hpp"
+#include "segment/pde_images.hpp"
+
+namespace heart::segment {
+namespace {
+
+using testing::grid_of;
+const auto alone = parallel::self();
+
+/// Radius where the row through the centre falls through zero.
+double zero_radius(const parallel::Slab<float>& u, std::int64_t j, std::int64_t k) {
+  const float* row = u.row(j, k);
+  const double centre = 0.5 * static_cast<double>(u.grid.size[0] - 1);
+  for (std::int64_t i = u.grid.size[0] / 2; i + 1 < u.grid.size[0]; ++i)
+    if (row[i] <= 0 && row[i + 1] > 0)
+      return (static_cast<double>(i) + row[i] / (row[i] - row[i + 1]) - centre) * u.grid.spacing_mm.x;
+  return 0;
+}
+
+TEST(CurvatureMotion, ShrinksACircleBySquareRootLaw) {
+  const auto image =
+      testing::volume_of(grid_of({81, 81, 1}), [](double x, double y, double) { return testing::length(x, y) - 20; });
+  auto slab = testing::slab_of(image);
+  curvature_motion(slab, {800, 0.1}, alone);
+  EXPECT_NEAR(zero_radius(slab, 40, 0), std::sqrt(20 * 20 - 2 * 80.0), 0.3);
+}
+
+TEST(CurvatureMotion, ShrinksASphereTwiceAsFastOnAnAnisotropicGrid) {
+  const auto image = testing::volume_of(grid_of({45, 45, 31}, {0.8, 0.8, 1.2}),
+                                        [](double x, double y, double z) { return testing::length(x, y, z) - 12; });
+  auto slab = testing::slab_of(image);
+  curvature_motion(slab, {200, 0.1}, alone);
+  EXPECT_NEAR(zero_radius(slab, 22, 15), std::sqrt(12 * 12 - 4 * 100 * 0.2 * 0.64), 0.3);
+}
+
+TEST(CurvatureMotion, LeavesPlanesAndFlatImagesAlone) {
+  const auto plane = testing::volume_of(grid_of({12, 10, 9}), [](double x, double, double z) { return 2 * x + z; });
+  auto slab = testing::slab_of(plane);
+  curvature_motion(slab, {3, 0.1}, alone);
+  EXPECT_NEAR(slab.row(5, 4)[6], plane(6, 5, 4), 1e-4);
+  auto constant = testing::slab_of(Volume<float>(grid_of({5, 5, 5}), 7.0f));
+  curvature_motion(constant, {3, 0.1}, alone);
+  for (const float v : constant.owned()) EXPECT_FLOAT_EQ(v, 7.0f);
+  EXPECT_THROW(curvature_motion(constant, {3, 0}, alone), UserError);
+}
+
+}  // namespace
+}  // namespace heart::segment

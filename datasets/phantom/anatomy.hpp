@@ -1,0 +1,72 @@
+// The analytic anatomy of the phantom: a thorax with a four-chamber heart, as signed distances composed by min and max.
+// Everything is evaluated at a point in LPS mm, so that grids and meshes of any resolution can be compared with it.
+// The functions are pure and safe to call from several threads.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "model/labels.hpp"
+#include "model/landmarks.hpp"
+#include "model/vec.hpp"
+
+namespace heart::datasets {
+
+struct Anatomy;  ///< the shapes themselves, see body.hpp
+
+/// What a point consists of; decides the grey value, where Region decides the label.
+enum class Tissue : std::uint8_t {
+  air,
+  lung,
+  fat,
+  muscle,
+  myocardium,
+  liver,
+  cortical_bone,
+  marrow,
+  cartilage,
+  left_blood,
+  right_blood,
+  systemic_vein,
+  vessel_wall,
+  skin,
+  spleen,
+  fluid,
+};
+constexpr int tissue_count = 16;
+
+/// Shape overrides of the phantom; the defaults of a variant apply where a field is empty.
+struct HeartOverrides {
+  std::optional<double> lv_wall_mm;  ///< thickness of the compact left ventricular wall at the equator, 5 to 18
+  std::optional<double> rv_wall_mm;  ///< thickness of the right ventricular free wall, 2.5 to 8
+  std::optional<double> scale;       ///< size of the heart, 0.8 to 1.25
+};
+
+struct HeartModel {
+  int variant = 0;
+  std::shared_ptr<const Anatomy> anatomy;  ///< immutable, shared by copies
+};
+
+/// The model of a variant (0 = the default; any integer >= 0). Throws UserError for negative variants and overrides
+/// out of range.
+HeartModel make_heart_model(int variant = 0, const HeartOverrides& overrides = {});
+
+Region region_at(const HeartModel& model, const Vec3& lps_mm);
+Tissue tissue_at(const HeartModel& model, const Vec3& lps_mm);
+
+/// Transmural depth in the wall of the nearest ventricle: 0 at the endocardium, 1 at the epicardium (for the septum:
+/// at the right ventricular side). Clamped to [0, 1]; NaN farther than 6 mm from ventricular muscle.
+double depth_at(const HeartModel& model, const Vec3& lps_mm);
+
+/// Unit fibre direction (an axis: its sign carries no meaning) in ventricular muscle and papillary muscles: helix angle
+/// linear in depth from +60 deg (endocardium) to -60 deg (epicardium); papillary muscles along their own axis. Defined
+/// up to 6 mm off the muscle, so that nodes of a slightly displaced mesh can be compared; the zero vector beyond.
+Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm);
+
+/// Unit vector of the left ventricle's long axis from apex to base.
+Vec3 long_axis(const HeartModel& model);
+
+/// Seeds in every pool and organ, the four valve discs, the epicardial apex.
+Landmarks landmarks_of(const HeartModel& model);
+
+}  // namespace heart::datasets

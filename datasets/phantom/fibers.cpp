@@ -1,0 +1,73 @@
+// Analytic fibres of the phantom's ventricles.
+#include <cmath>
+#include <limits>
+
+#include "datasets/phantom/anatomy.hpp"
+#include "datasets/phantom/body.hpp"
+
+namespace heart::datasets {
+namespace {
+
+constexpr double off_muscle_mm = 6;
+constexpr double endocardial_helix_deg = 60;
+
+enum class Wall { none, left, right, papillary };
+
+Wall nearest_wall(const HeartField& f) {
+  if (f.papillary < 0 && std::min(f.lv, f.rv) < 0) return Wall::papillary;
+  if (f.lv_outer < 0 && f.lv > -off_muscle_mm) return Wall::left;
+  const double left = std::max(f.lv_outer, -f.lv), right = std::max(f.rv_outer, -f.rv);
+  if (std::min(left, right) > off_muscle_mm) return Wall::none;
+  return left <= right ? Wall::left : Wall::right;
+}
+
+double raw_depth(const HeartShapes& heart, Wall wall, const Vec3& p) {
+  if (wall == Wall::right) return rv_inner_smooth(heart, p) / heart.sizes.rv_wall_mm;
+  const double inner = lv_inner_smooth(heart, p), outer = lv_outer_smooth(heart, p);
+  return inner / (inner - outer);
+}
+
+Vec3 depth_gradient(const HeartShapes& heart, Wall wall, const Vec3& p) {
+  constexpr double h = 0.2;
+  Vec3 g;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 step;
+    step[axis] = h;
+    g[axis] = raw_depth(heart, wall, p + step) - raw_depth(heart, wall, p - step);
+  }
+  return normalized(g);
+}
+
+/// Direction of the nearest straight piece of the papillary muscles.
+Vec3 papillary_axis(const HeartShapes& heart, const HeartField& f, const Vec3& p) {
+  return (f.lv < 0 ? heart.lv_papillary : heart.rv_papillary).nearest_direction(p);
+}
+
+}  // namespace
+
+double depth_at(const HeartModel& model, const Vec3& lps_mm) {
+  const auto& heart = model.anatomy->heart;
+  const Wall wall = nearest_wall(heart_field(heart, lps_mm));
+  if (wall == Wall::none) return std::numeric_limits<double>::quiet_NaN();
+  if (wall == Wall::papillary) return 0;
+  return std::clamp(raw_depth(heart, wall, lps_mm), 0.0, 1.0);
+}
+
+Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm) {
+  const auto& heart = model.anatomy->heart;
+  const HeartField field = heart_field(heart, lps_mm);
+  const Wall wall = nearest_wall(field);
+  if (wall == Wall::none) return {};
+  if (wall == Wall::papillary) return papillary_axis(heart, field, lps_mm);
+  const Vec3 across = depth_gradient(heart, wall, lps_mm), axis = heart.local[2];
+  Vec3 along = axis - dot(axis, across) * across;
+  // At the very apex the long axis runs across the wall; any direction in the wall will do.
+  if (norm(along) < 1e-6) along = heart.local[0] - dot(heart.local[0], across) * across;
+  along = normalized(along);
+  const Vec3 around = cross(along, across);
+  const double depth = std::clamp(raw_depth(heart, wall, lps_mm), 0.0, 1.0);
+  const double helix = endocardial_helix_deg * (1 - 2 * depth) * 3.14159265358979323846 / 180;
+  return normalized(std::cos(helix) * around + std::sin(helix) * along);
+}
+
+}  // namespace heart::datasets

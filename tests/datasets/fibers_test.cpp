@@ -1,0 +1,85 @@
+// The analytic fibres of the phantom: unit vectors in the wall whose helix angle falls from +60 to -60 degrees.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "datasets/phantom/anatomy.hpp"
+#include "datasets/survey.hpp"
+
+namespace heart::datasets {
+namespace {
+
+/// Signed helix angle (deg) of an axis: positive where it rises to the base while turning counter-clockwise seen from
+/// the base around `center`.
+double helix_deg(const Vec3& fiber, const Vec3& p, const Vec3& center, const Vec3& axis) {
+  const Vec3 radial = (p - center) - dot(p - center, axis) * axis;
+  const Vec3 around = normalized(cross(axis, radial));
+  double a = dot(fiber, around), l = dot(fiber, axis);
+  if (a < 0) a = -a, l = -l;
+  return std::atan2(l, a) * 180 / 3.14159265358979323846;
+}
+
+TEST(Fibers, AreUnitVectorsInEveryMuscleVoxel) {
+  const auto model = make_heart_model(2);
+  const auto labels = survey_heart(model, 3).regions;
+  const Grid& grid = labels.grid;
+  int muscle = 0;
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+        const auto region = static_cast<Region>(labels(i, j, k));
+        if (region != Region::lv_myocardium && region != Region::rv_myocardium && region != Region::papillary) continue;
+        ++muscle;
+        const Vec3 p = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        EXPECT_NEAR(norm(fiber_at(model, p)), 1, 1e-9);
+        const double depth = depth_at(model, p);
+        EXPECT_TRUE(depth >= 0 && depth <= 1);
+      }
+  EXPECT_GT(muscle, 3000);
+}
+
+TEST(Fibers, HelixFallsLinearlyThroughTheLateralWall) {
+  const auto model = make_heart_model();
+  const auto marks = landmarks_of(model);
+  const Vec3 axis = long_axis(model);
+  const Vec3 center = *marks.lv_apex_mm + 66 * axis;  // near the equator
+  const Vec3 outwards =
+      normalized(cross(axis, cross(Vec3{1, 0.8, 0}, axis)));  // to the left and back: the lateral wall
+  int samples = 0;
+  for (double r = 15; r < 45; r += 0.25) {
+    const Vec3 p = center + r * outwards;
+    if (region_at(model, p) != Region::lv_myocardium) continue;
+    const double depth = depth_at(model, p);
+    if (depth <= 0.02 || depth >= 0.98) continue;
+    ++samples;
+    EXPECT_NEAR(helix_deg(fiber_at(model, p), p, center, axis), 60 - 120 * depth, 2) << "at depth " << depth;
+  }
+  EXPECT_GT(samples, 25);
+}
+
+TEST(Fibers, RightVentricleFollowsTheSameRule) {
+  const auto model = make_heart_model();
+  const auto marks = landmarks_of(model);
+  const Vec3 axis = long_axis(model), seed = marks.seeds_mm.at("rv_blood");
+  Vec3 outwards = seed - marks.seeds_mm.at("lv_blood");
+  outwards = normalized(outwards - dot(outwards, axis) * axis);
+  double first = 0, last = 0;
+  for (double r = 0; r < 30; r += 0.2) {
+    const Vec3 p = seed + r * outwards;
+    if (region_at(model, p) != Region::rv_myocardium) continue;
+    const double angle = helix_deg(fiber_at(model, p), p, marks.seeds_mm.at("lv_blood"), axis);
+    if (first == 0) first = angle;
+    last = angle;
+  }
+  EXPECT_GT(first, 35);
+  EXPECT_LT(last, -35);
+}
+
+TEST(Fibers, VanishFarFromTheHeart) {
+  const auto model = make_heart_model();
+  EXPECT_EQ(fiber_at(model, {-120, 40, 60}), (Vec3{}));
+  EXPECT_TRUE(std::isnan(depth_at(model, {-120, 40, 60})));
+}
+
+}  // namespace
+}  // namespace heart::datasets

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -55,24 +56,30 @@ void check_landmarks(const Landmarks& landmarks, const std::string& where) {
   }
 }
 
-Landmarks read_landmarks(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw UserError("landmarks file does not exist", path, "check the path");
-  const Json json = Json::parse(file, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) throw UserError("is not valid JSON", path, "correct the file");
+Landmarks parse_landmarks(const std::string& json_text, const std::string& where) {
+  const Json json = Json::parse(json_text, nullptr, false);
+  if (json.is_discarded() || !json.is_object()) throw UserError("is not valid JSON", where, "correct the file");
   Landmarks landmarks;
   for (const auto& [key, value] : json.items()) {
     if (key == "seeds_mm")
-      for (const auto& [name, point] : value.items()) landmarks.seeds_mm[name] = point_from(point, path, name);
+      for (const auto& [name, point] : value.items()) landmarks.seeds_mm[name] = point_from(point, where, name);
     else if (key == "valves")
-      for (const auto& [name, valve] : value.items()) landmarks.valves[name] = valve_from(valve, path, name);
+      for (const auto& [name, valve] : value.items()) landmarks.valves[name] = valve_from(valve, where, name);
     else if (key == "lv_apex_mm")
-      landmarks.lv_apex_mm = point_from(value, path, key);
+      landmarks.lv_apex_mm = point_from(value, where, key);
     else
-      throw UserError(fmt::format("unknown key \"{}\"", key), path, "known keys: seeds_mm, valves, lv_apex_mm");
+      throw UserError(fmt::format("unknown key \"{}\"", key), where, "known keys: seeds_mm, valves, lv_apex_mm");
   }
-  check_landmarks(landmarks, path);
+  check_landmarks(landmarks, where);
   return landmarks;
+}
+
+Landmarks read_landmarks(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw UserError("landmarks file does not exist", path, "check the path");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return parse_landmarks(text.str(), path);
 }
 
 std::string write_landmarks(const Landmarks& landmarks) {

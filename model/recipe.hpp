@@ -94,9 +94,10 @@ struct ChamberSettings {
 /// The epicardium as a minimal cut in the band around the cavities (thesis 7.2, problem 7.4, solved as the convex
 /// problem it is the steady state of).
 struct EpicardiumSettings {
-  double ventricle_band_mm = 22;  // L of thesis 7.2 for the ventricles
-  double atrium_band_mm = 6;      // L for the atria
-  double muscle_hu = 100;         // the image is clipped here before its gradient is taken
+  double ventricle_band_mm = 22;  // L of thesis 7.2 for the left ventricle
+  double rv_band_mm = 10;         // L for the free wall of the right ventricle
+  double atrium_band_mm = 5;      // L for the atria
+  double muscle_hu = 0;           // the image is clipped here before its gradient is taken; 0: measured
   double edge_hu_per_mm = 12;     // gradient at which the edge weight falls to a half
   double minimum_lv_wall_mm = 3;
   double minimum_rv_wall_mm = 2;
@@ -106,9 +107,10 @@ struct EpicardiumSettings {
 
   template <class V>
   static void describe(V&& v, auto& s) {
-    v("ventricle_band_mm", s.ventricle_band_mm, "width of the band around the ventricles' cavities");
+    v("ventricle_band_mm", s.ventricle_band_mm, "width of the band around the left ventricle's cavity");
+    v("rv_band_mm", s.rv_band_mm, "width of the band around the right ventricle's cavity");
     v("atrium_band_mm", s.atrium_band_mm, "width of the band around the atria's cavities");
-    v("muscle_hu", s.muscle_hu, "the image is clipped at this grey value before its gradient is taken");
+    v("muscle_hu", s.muscle_hu, "the image is clipped at this grey value before its gradient; 0: measured in the wall");
     v("edge_hu_per_mm", s.edge_hu_per_mm, "gradient at which the edge weight falls to a half");
     v("minimum_lv_wall_mm", s.minimum_lv_wall_mm, "least thickness of the left ventricular wall");
     v("minimum_rv_wall_mm", s.minimum_rv_wall_mm, "least thickness of the right ventricular wall");
@@ -147,6 +149,7 @@ struct FiberSettings {
   double demons_sigma_mm = 2;           // smoothing of the displacement field
   std::vector<int> demons_iterations = {60, 40, 15};  // per level, coarse to fine
   int inpainting_iterations = 200;
+  double depth_grid_mm = 1;  // spacing of the grid for wall depth and directions, at most grid_mm
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -155,6 +158,7 @@ struct FiberSettings {
     v("demons_sigma_mm", s.demons_sigma_mm, "smoothing of the displacement field");
     v("demons_iterations", s.demons_iterations, "demons iterations per level, coarse to fine");
     v("inpainting_iterations", s.inpainting_iterations, "iterations of the total variation inpainting");
+    v("depth_grid_mm", s.depth_grid_mm, "spacing of the grid for wall depth and directions, at most grid_mm");
   }
 };
 
@@ -208,6 +212,7 @@ std::string recipe_section(const Recipe& recipe, std::string_view section);
 
 /// Seeds and planes from a JSON file as `heartgen phantom` and `heartgen landmarks` write it.
 Landmarks read_landmarks(const std::string& path);
+Landmarks parse_landmarks(const std::string& json_text, const std::string& where);
 std::string write_landmarks(const Landmarks& landmarks);
 
 /// Throws UserError for seeds and valves of unknown name, and for planes without normal or radius.

@@ -1,0 +1,33 @@
+// Fits an affine map by nonlinear least squares (Ceres, one thread, deterministic). Not collective.
+#pragma once
+#include <vector>
+
+#include "model/volume.hpp"
+
+namespace heart::adapters {
+
+/// y = matrix * x + offset_mm
+struct AffineMap {
+  Mat3 matrix;
+  Vec3 offset_mm;
+  Vec3 operator()(const Vec3& x) const { return matrix * x + offset_mm; }
+};
+
+AffineMap inverse(const AffineMap& map);
+
+enum class PoseFreedom { rigid, similarity, affine };  ///< 6, 7 or 12 parameters
+
+struct PoseFit {
+  AffineMap map;
+  double rms = 0;  ///< of the residuals, in the unit of the images
+  int iterations = 0;
+};
+
+/// The map near `start` that makes each target image at map(point) equal the given value:
+/// minimises the sum over points p and channels c of (targets[c](map(p)) - values[c][p])^2, trilinear in the targets.
+/// The targets share one grid. `center_mm` is where the parameters' rotation and scale act (near the points' centre).
+PoseFit fit_pose(const AffineMap& start, const Vec3& center_mm, const std::vector<Vec3>& points_mm,
+                 const std::vector<const Volume<float>*>& targets, const std::vector<std::vector<float>>& values,
+                 PoseFreedom freedom);
+
+}  // namespace heart::adapters

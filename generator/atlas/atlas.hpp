@@ -1,0 +1,29 @@
+// The fibre atlas: a tetrahedral mesh of the two ventricles with one fibre direction per point (thesis, chapter 9).
+// Only the axis of a direction means anything; its sign and length are ignored everywhere.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "model/tet_mesh.hpp"
+
+namespace heart::atlas {
+
+struct FiberAtlas {
+  std::vector<Vec3> points_mm;  ///< the file's own frame, any orientation, scaled to mm
+  std::vector<Cell> cells;      ///< positively oriented
+  std::vector<Vec3> fiber;      ///< per point, unit length; zero where the file has none
+  std::string name;             ///< file name without folder, or what the maker called it
+  double unit_in_mm = 1;        ///< one unit of the file: 1, 10, 1000 or 0.001 mm
+};
+
+/// Atlas from tetrahedra with one vector per point, or per cell (`vectors` as long as `cells`; averaged onto the
+/// points as axes). The unit is worked out from the size of the heart. Inverted cells are turned round.
+/// Throws UserError: no cells, indices out of range, NaN, vectors all zero, a size that is no heart's in any unit.
+FiberAtlas make_fiber_atlas(std::string name, std::vector<Vec3> points, std::vector<Cell> cells,
+                            const std::vector<Vec3>& vectors);
+
+/// Reads a .vtk (legacy) or .vtu file with tetrahedra and at least one array of vectors; an array whose name starts
+/// with "fib" is preferred to others, point arrays to cell arrays. Throws UserError, naming file and remedy.
+FiberAtlas read_fiber_atlas(const std::string& path);
+
+}  // namespace heart::atlas

@@ -1,0 +1,73 @@
+// Directions without a sign as dyads f f^T: they can be added and averaged, which the vectors themselves cannot.
+#pragma once
+#include <array>
+#include <cmath>
+
+#include "model/vec.hpp"
+
+namespace heart::atlas {
+
+struct AxisTensor {
+  std::array<double, 6> c{};  ///< xx yy zz xy xz yz
+
+  AxisTensor& operator+=(const AxisTensor& o) {
+    for (std::size_t i = 0; i < 6; ++i) c[i] += o.c[i];
+    return *this;
+  }
+  friend AxisTensor operator*(double s, AxisTensor t) {
+    for (double& x : t.c) x *= s;
+    return t;
+  }
+  friend AxisTensor operator+(AxisTensor a, const AxisTensor& b) { return a += b; }
+};
+
+inline AxisTensor axis_tensor(const Vec3& f) {
+  return {{f.x * f.x, f.y * f.y, f.z * f.z, f.x * f.y, f.x * f.z, f.y * f.z}};
+}
+
+inline double trace(const AxisTensor& t) { return t.c[0] + t.c[1] + t.c[2]; }
+
+/// Unit eigenvector of the largest eigenvalue (zero for the zero tensor), by Jacobi rotations; its sign is made unique:
+/// the component of largest magnitude is positive.
+inline Vec3 leading_axis(const AxisTensor& t) {
+  double a[3][3] = {{t.c[0], t.c[3], t.c[4]}, {t.c[3], t.c[1], t.c[5]}, {t.c[4], t.c[5], t.c[2]}};
+  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int sweep = 0; sweep < 12; ++sweep) {
+    const double off = std::abs(a[0][1]) + std::abs(a[0][2]) + std::abs(a[1][2]);
+    const double diagonal = std::abs(a[0][0]) + std::abs(a[1][1]) + std::abs(a[2][2]);
+    if (off <= 1e-17 * diagonal) break;
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (a[p][q] == 0) continue;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        const double tangent = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double cosine = 1 / std::sqrt(tangent * tangent + 1), sine = tangent * cosine;
+        for (int k = 0; k < 3; ++k) {
+          const double x = a[k][p], y = a[k][q];
+          a[k][p] = cosine * x - sine * y;
+          a[k][q] = sine * x + cosine * y;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double x = a[p][k], y = a[q][k];
+          a[p][k] = cosine * x - sine * y;
+          a[q][k] = sine * x + cosine * y;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double x = v[k][p], y = v[k][q];
+          v[k][p] = cosine * x - sine * y;
+          v[k][q] = sine * x + cosine * y;
+        }
+      }
+  }
+  int best = 0;
+  for (int i = 1; i < 3; ++i)
+    if (a[i][i] > a[best][best]) best = i;
+  if (a[best][best] <= 0) return {};
+  Vec3 axis = normalized({v[0][best], v[1][best], v[2][best]});
+  int largest = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::abs(axis[i]) > std::abs(axis[largest])) largest = i;
+  return axis[largest] < 0 ? -axis : axis;
+}
+
+}  // namespace heart::atlas

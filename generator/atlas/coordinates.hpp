@@ -1,0 +1,39 @@
+// Wall depth and local directions of a ventricle's wall. Depth is L0 / (L0 + L1): L0, L1 the lengths of the paths from
+// a point to the endocardium and to the epicardium along the gradient of Laplace's solution (Yezzi and Prince, IEEE
+// TMI 22, 2003). Laplace's solution itself, taken as a depth, is biased where walls are thick and curved.
+// The endocardium is where the wall meets its own cavity; the epicardium is its other surface: for the left ventricle
+// also the septum's right side; for the right ventricle the outside only (nothing flows where it meets the left wall).
+// Not collective; the same bits for any number of threads.
+#pragma once
+#include <optional>
+
+#include "generator/atlas/ventricles.hpp"
+
+namespace heart::atlas {
+
+struct WallCoordinates {
+  Mask known;                  ///< 1 in the wall, 2 a few voxels around it (continued linearly), else 0
+  Volume<float> depth;         ///< 0 at the endocardium to 1 at the epicardium; beyond [0, 1] outside the wall
+  Volume<float> thickness_mm;  ///< L0 + L1
+  Volume<Vec3> normal;         ///< unit, from the endocardium to the epicardium
+};
+
+/// `wall` is Part::lv_wall or Part::rv_wall.
+WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall);
+
+/// Coordinates at a point. The directions are unit and orthogonal; `longitudinal` points to the apex and
+/// circumferential = longitudinal × normal in world coordinates, whatever the heart's orientation.
+struct WallPoint {
+  double depth = 0;  ///< clamped to [0, 1]
+  double thickness_mm = 0;
+  Vec3 normal, longitudinal, circumferential;
+};
+
+/// Empty where the point is too far from the wall.
+std::optional<WallPoint> wall_point(const WallCoordinates& coordinates, const HeartFrame& frame, const Vec3& point_mm);
+
+/// Angle in degrees, in (-90, 90], of an axis above the circumferential direction in the wall's tangent plane;
+/// positive for a right-handed helix.
+double helix_angle_deg(const WallPoint& at, const Vec3& axis);
+
+}  // namespace heart::atlas

@@ -1,0 +1,25 @@
+// Where every point of the patient's ventricles lies in the atlas: affine pose, then diffeomorphic demons on label
+// images (thesis 9.1, 9.2; the images hold one value per part instead of muscle | rest). Not collective.
+#pragma once
+#include "generator/atlas/pose.hpp"
+#include "model/recipe.hpp"
+
+namespace heart::atlas {
+
+struct Registration {
+  Pose pose;
+  Volume<Vec3> displacement_mm;  ///< u on the registration grid, in the patient's frame
+  double min_jacobian = 0;       ///< smallest determinant of the gradient of x + u(x) on that grid; > 0: no folding
+  double wall_overlap = 0;       ///< Dice of the walls below the base, patient against warped atlas
+};
+
+/// `patient` and `atlas` on grids at least as fine as settings.grid_mm, the spacing of the registration grid.
+Registration register_atlas(const Ventricles& patient, const Ventricles& atlas, const FiberSettings& settings);
+
+/// Position in the atlas's frame, mm.
+Vec3 atlas_position(const Registration& registration, const Vec3& patient_mm);
+
+/// Its derivative by the patient's coordinates.
+Mat3 atlas_jacobian(const Registration& registration, const Vec3& patient_mm);
+
+}  // namespace heart::atlas

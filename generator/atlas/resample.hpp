@@ -1,0 +1,19 @@
+// Label maps of any spacing and direction on isotropic grids along LPS axes.
+#pragma once
+#include <functional>
+
+#include "model/volume.hpp"
+
+namespace heart::atlas {
+
+/// LPS position of voxel number v.
+Vec3 voxel_center(const Grid& grid, std::int64_t v);
+
+/// Identity direction, `spacing_mm` along each axis, around all voxels whose label is `wanted`, plus a margin.
+Grid isotropic_grid_around(const LabelVolume& labels, const std::function<bool(std::uint8_t)>& wanted,
+                           double spacing_mm, double margin_mm);
+
+/// The label with the largest share by linear interpolation at each voxel centre of `grid`; 0 outside.
+LabelVolume resampled(const LabelVolume& labels, const Grid& grid);
+
+}  // namespace heart::atlas

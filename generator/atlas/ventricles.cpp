@@ -1,0 +1,278 @@
+#include "generator/atlas/ventricles.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "generator/atlas/axis_tensor.hpp"
+#include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/resample.hpp"
+#include "model/error.hpp"
+#include "model/labels.hpp"
+
+namespace heart::atlas {
+namespace {
+
+constexpr std::array<std::array<int, 3>, 6> faces{
+    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
+constexpr double grid_margin_mm = 12;
+constexpr double trabecula_mm = 3;  // half of the width of the widest trabecula or gap between two
+
+template <class Keep>
+std::vector<Vec3> centers_where(const Volume<std::uint8_t>& parts, Keep&& keep) {
+  std::vector<Vec3> points;
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    if (parts.voxels[v] == tag(Part::outside)) continue;
+    const Vec3 p = voxel_center(parts.grid, static_cast<std::int64_t>(v));
+    if (keep(parts.voxels[v], p)) points.push_back(p);
+  }
+  return points;
+}
+
+Vec3 mean_of(const std::vector<Vec3>& points) {
+  Vec3 sum;
+  for (const Vec3& p : points) sum += p;
+  return points.empty() ? sum : sum / static_cast<double>(points.size());
+}
+
+double percentile(std::vector<double> values, double share) {
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+/// Direction of the straight line through the centroids of slices across `axis` that are clear of the base.
+Vec3 centroid_line(const std::vector<Vec3>& lv, const Vec3& base_point, const Vec3& base_normal, const Vec3& axis,
+                   double voxel_volume_mm3) {
+  constexpr double slice_mm = 3, clear_mm = 1, used_share = 0.8, least_area_mm2 = 115;
+  std::vector<double> at_base;
+  double deepest = 0;
+  for (const Vec3& p : lv) {
+    const double t = dot(p - base_point, axis);
+    deepest = std::max(deepest, t);
+    if (std::abs(dot(p - base_point, base_normal)) < 2.5) at_base.push_back(t);
+  }
+  const double from = (at_base.empty() ? 0 : percentile(at_base, 0.98)) + clear_mm;
+  const auto slices = static_cast<std::size_t>(std::max(0.0, used_share * (deepest - from) / slice_mm));
+  std::vector<Vec3> sum(slices);
+  std::vector<double> count(slices);
+  for (const Vec3& p : lv) {
+    const double s = (dot(p - base_point, axis) - from) / slice_mm;
+    if (s < 0 || s >= static_cast<double>(slices)) continue;
+    sum[static_cast<std::size_t>(s)] += p;
+    count[static_cast<std::size_t>(s)] += 1;
+  }
+  std::vector<Vec3> centroids;
+  for (std::size_t s = 0; s < slices; ++s)
+    if (count[s] * voxel_volume_mm3 > least_area_mm2 * slice_mm) centroids.push_back(sum[s] / count[s]);
+  if (centroids.size() < 3) return axis;
+  const Vec3 middle = mean_of(centroids);
+  AxisTensor spread;
+  for (const Vec3& c : centroids) spread += axis_tensor(c - middle);
+  const Vec3 line = leading_axis(spread);
+  return dot(line, base_normal) < 0 ? -line : line;
+}
+
+std::uint8_t part_of_region(std::uint8_t region) {
+  switch (static_cast<Region>(region)) {
+    case Region::lv_myocardium:
+      return tag(Part::lv_wall);
+    case Region::rv_myocardium:
+      return tag(Part::rv_wall);
+    case Region::lv_blood:
+      return tag(Part::lv_cavity);
+    case Region::rv_blood:
+      return tag(Part::rv_cavity);
+    case Region::la_wall:
+    case Region::ra_wall:
+    case Region::la_blood:
+    case Region::ra_blood:
+    case Region::aorta:
+    case Region::pulmonary_artery:
+      return tag(Part::other);
+    default:
+      return tag(Part::outside);
+  }
+}
+
+bool is_ventricular(std::uint8_t region) {
+  return region == tag(Region::lv_myocardium) || region == tag(Region::rv_myocardium) ||
+         region == tag(Region::papillary) || region == tag(Region::lv_blood) || region == tag(Region::rv_blood);
+}
+
+void check_regions(const LabelVolume& labels) {
+  std::array<std::int64_t, 256> count{};
+  for (const auto v : labels.voxels) ++count[v];
+  for (const Region region : {Region::lv_myocardium, Region::rv_myocardium, Region::lv_blood, Region::rv_blood})
+    if (count[tag(region)] == 0)
+      throw UserError(fmt::format("the label map has no voxel of {}, which fibres need", region_name(tag(region))),
+                      "fibers", "check the segmentation or the label map");
+}
+
+/// Papillary muscles become the blood that they stand in: the one reached first, face by face, through the muscle.
+LabelVolume papillary_as_blood(LabelVolume labels) {
+  const Grid& g = labels.grid;
+  std::vector<Index3> front, next;
+  for (std::int64_t k = 0; k < g.size[2]; ++k)
+    for (std::int64_t j = 0; j < g.size[1]; ++j)
+      for (std::int64_t i = 0; i < g.size[0]; ++i)
+        if (labels(i, j, k) == tag(Region::lv_blood) || labels(i, j, k) == tag(Region::rv_blood))
+          front.push_back({i, j, k});
+  for (; !front.empty(); front.swap(next)) {
+    next.clear();
+    for (const auto& [i, j, k] : front)
+      for (const auto& s : faces) {
+        const Index3 at{i + s[0], j + s[1], k + s[2]};
+        if (!g.contains(at[0], at[1], at[2]) || labels(at[0], at[1], at[2]) != tag(Region::papillary)) continue;
+        labels(at[0], at[1], at[2]) = labels(i, j, k);
+        next.push_back(at);
+      }
+  }
+  return labels;
+}
+
+Volume<std::uint8_t> parts_of_labels(const LabelVolume& labels) {
+  Volume<std::uint8_t> parts(labels.grid);
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) parts.voxels[v] = part_of_region(labels.voxels[v]);
+  return parts;
+}
+
+/// Trabeculae count as cavity: the wall that a ball of `radius_mm` rolling on the cavity's far side cannot reach. They
+/// run along the heart and have no helix; what lies under them would otherwise get too large a depth.
+void close_cavity(Volume<std::uint8_t>& parts, Part wall, Part cavity, double radius_mm) {
+  const auto to_cavity = distance_to(mask_where(parts, [&](auto v) { return is(v, cavity); }));
+  Mask far(parts.grid);
+  for (std::size_t v = 0; v < far.voxels.size(); ++v) far.voxels[v] = to_cavity.voxels[v] > radius_mm;
+  const auto to_far = distance_to(far);
+  for (std::size_t v = 0; v < far.voxels.size(); ++v)
+    if (is(parts.voxels[v], wall) && to_far.voxels[v] > radius_mm) parts.voxels[v] = tag(cavity);
+}
+
+/// Direction of the left ventricle's largest extent, from the blood's side (base) to the wall's side (apex).
+Vec3 rough_axis(const LabelVolume& labels) {
+  std::vector<Vec3> wall, blood;
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
+    const Vec3 p = voxel_center(labels.grid, static_cast<std::int64_t>(v));
+    if (labels.voxels[v] == tag(Region::lv_myocardium)) wall.push_back(p);
+    if (labels.voxels[v] == tag(Region::lv_blood)) blood.push_back(p);
+  }
+  const Vec3 middle = mean_of(blood);
+  AxisTensor spread;
+  for (const Vec3& p : blood) spread += axis_tensor(p - middle);
+  const Vec3 axis = leading_axis(spread);
+  return dot(axis, mean_of(wall) - middle) < 0 ? -axis : axis;
+}
+
+/// Voxels of left ventricular blood that touch left atrial blood.
+std::vector<Vec3> mitral_contact(const LabelVolume& labels) {
+  std::vector<Vec3> contact;
+  const auto& g = labels.grid;
+  for (std::int64_t k = 0; k < g.size[2]; ++k)
+    for (std::int64_t j = 0; j < g.size[1]; ++j)
+      for (std::int64_t i = 0; i < g.size[0]; ++i) {
+        if (labels(i, j, k) != tag(Region::lv_blood)) continue;
+        for (const auto& s : faces)
+          if (g.contains(i + s[0], j + s[1], k + s[2]) &&
+              labels(i + s[0], j + s[1], k + s[2]) == tag(Region::la_blood)) {
+            contact.push_back(voxel_center(g, g.offset(i, j, k)));
+            break;
+          }
+      }
+  return contact;
+}
+
+Vec3 patient_base_point(const LabelVolume& labels, const Landmarks& landmarks, const Vec3& axis) {
+  if (const auto mitral = landmarks.valves.find("mitral"); mitral != landmarks.valves.end())
+    return mitral->second.center_mm;
+  const auto contact = mitral_contact(labels);
+  if (contact.size() >= 20) return mean_of(contact);
+  std::vector<double> along;
+  std::vector<Vec3> blood;
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+    if (labels.voxels[v] == tag(Region::lv_blood)) {
+      blood.push_back(voxel_center(labels.grid, static_cast<std::int64_t>(v)));
+      along.push_back(dot(blood.back(), axis));
+    }
+  const Vec3 middle = mean_of(blood);
+  return middle + (percentile(along, 0.03) - dot(middle, axis)) * axis;
+}
+
+bool has_atria(const LabelVolume& labels) {
+  return std::any_of(labels.voxels.begin(), labels.voxels.end(),
+                     [](auto v) { return v == tag(Region::la_blood) || v == tag(Region::ra_blood); });
+}
+
+}  // namespace
+
+HeartFrame heart_frame(const Volume<std::uint8_t>& parts, const Vec3& base_point_mm, const Vec3& base_normal) {
+  const auto below = [&](const Vec3& p) { return dot(p - base_point_mm, base_normal) >= 0; };
+  const auto lv = centers_where(parts, [&](std::uint8_t v, const Vec3& p) {
+    return (is(v, Part::lv_wall) || is(v, Part::lv_cavity)) && below(p);
+  });
+  const auto rv = centers_where(parts, [&](std::uint8_t v, const Vec3& p) {
+    return (is(v, Part::rv_wall) || is(v, Part::rv_cavity)) && below(p);
+  });
+  if (lv.empty() || rv.empty())
+    throw UserError("a ventricle lies wholly above the base plane", "fibers",
+                    "check the mitral valve plane and the orientation of the image");
+  HeartFrame frame;
+  frame.base_normal = base_normal;
+  Vec3 axis = base_normal;
+  for (int round = 0; round < 6; ++round) {
+    const Vec3 line = centroid_line(lv, base_point_mm, base_normal, axis, parts.grid.voxel_volume_mm3());
+    axis = round == 0 ? line : normalized(axis + line);
+  }
+  frame.long_axis = axis;
+  const Vec3 middle = mean_of(lv);
+  frame.base_point_mm = middle + (dot(base_point_mm - middle, base_normal) / dot(axis, base_normal)) * axis;
+  const Vec3 to_rv = mean_of(rv) - frame.base_point_mm;
+  frame.rv_side = normalized(to_rv - dot(to_rv, axis) * axis);
+  for (const Vec3& p : lv) frame.length_mm = std::max(frame.length_mm, dot(p - frame.base_point_mm, axis));
+  return frame;
+}
+
+void mirror_above_base(Volume<std::uint8_t>& parts, const Vec3& base_point_mm, const Vec3& base_normal) {
+  const Volume<std::uint8_t> source = parts;
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    const Vec3 p = voxel_center(parts.grid, static_cast<std::int64_t>(v));
+    const double height = dot(p - base_point_mm, base_normal);
+    if (height >= 0) continue;
+    const Vec3 index = index_from_lps(parts.grid, p - 2 * height * base_normal);
+    const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
+    parts.voxels[v] = parts.grid.contains(i, j, k) ? source(i, j, k) : tag(Part::outside);
+  }
+}
+
+Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles) {
+  Volume<std::uint8_t> parts = ventricles.parts;
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    const bool above =
+        depth_below_base_mm(ventricles.frame, voxel_center(parts.grid, static_cast<std::int64_t>(v))) < 0;
+    if (above || is(parts.voxels[v], Part::other)) parts.voxels[v] = tag(Part::outside);
+  }
+  return parts;
+}
+
+Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& landmarks, double spacing_mm) {
+  check_regions(labels);
+  const Grid grid = isotropic_grid_around(labels, is_ventricular, spacing_mm, grid_margin_mm);
+  const bool atria = has_atria(labels);
+  Ventricles result;
+  result.parts = resampled(parts_of_labels(papillary_as_blood(labels)), grid);
+  close_cavity(result.parts, Part::lv_wall, Part::lv_cavity, trabecula_mm);
+  close_cavity(result.parts, Part::rv_wall, Part::rv_cavity, trabecula_mm);
+  Vec3 normal = rough_axis(labels);
+  const Vec3 base = patient_base_point(labels, landmarks, normal);
+  // The atlas is cut across its long axis; so is the patient, hence the plane follows the axis found under it.
+  for (int round = 0; round < 2; ++round) {
+    result.frame = heart_frame(result.parts, base, normal);
+    normal = result.frame.long_axis;
+  }
+  result.frame = heart_frame(result.parts, base, normal);
+  if (!atria) mirror_above_base(result.parts, result.frame.base_point_mm, result.frame.base_normal);
+  return result;
+}
+
+}  // namespace heart::atlas

@@ -1,0 +1,68 @@
+// The two ventricles as a label image with an anatomical frame: the common language of patient and atlas.
+// Not collective; the same bits for any number of threads.
+#pragma once
+#include "generator/atlas/atlas.hpp"
+#include "model/landmarks.hpp"
+#include "model/volume.hpp"
+
+namespace heart::atlas {
+
+/// What a voxel is to the fibre stages.
+enum class Part : std::uint8_t {
+  outside = 0,
+  lv_wall = 1,
+  rv_wall = 2,
+  lv_cavity = 3,
+  rv_cavity = 4,
+  other = 5,  ///< atria and great vessels: where a wall meets them, it ends at neither of its surfaces
+};
+
+constexpr std::uint8_t tag(Part part) { return static_cast<std::uint8_t>(part); }
+inline bool is(std::uint8_t voxel, Part part) { return voxel == tag(part); }
+inline bool is_wall(std::uint8_t voxel) { return is(voxel, Part::lv_wall) || is(voxel, Part::rv_wall); }
+
+/// Position and directions of a heart, in the frame of its label image.
+struct HeartFrame {
+  Vec3 base_point_mm;    ///< where the long axis meets the base plane
+  Vec3 base_normal;      ///< unit, from base to apex
+  Vec3 long_axis;        ///< unit, of the left ventricle, from base to apex
+  Vec3 rv_side;          ///< unit, perpendicular to the long axis, to the right ventricle
+  double length_mm = 0;  ///< from base_point_mm to the apex along the long axis
+};
+
+struct Ventricles {
+  Volume<std::uint8_t> parts;  ///< tags of Part; isotropic, identity direction; goes on above the base, so that walls
+                               ///< end there neither at an endocardium nor at an epicardium
+  HeartFrame frame;
+};
+
+inline double depth_below_base_mm(const HeartFrame& frame, const Vec3& point_mm) {
+  return dot(point_mm - frame.base_point_mm, frame.base_normal);
+}
+
+/// The parts with everything above the base plane taken away, as the atlas ends there.
+Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles);
+
+/// Ventricles of a label map (tags of labels.hpp) resampled to `spacing_mm`. Papillary muscles count as cavity. The
+/// base plane passes through the mitral valve (landmarks, else where lv_blood meets la_blood, else the upper end of
+/// lv_blood). Throws UserError when the wall or the blood of a ventricle is missing.
+Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& landmarks, double spacing_mm);
+
+/// An atlas on a grid, in a frame of its own: the base at the top (+z), the apex below.
+struct AtlasImage {
+  Ventricles ventricles;
+  Volume<Vec3> fiber;  ///< unit axis per wall voxel of the mesh below the base; zero elsewhere
+};
+
+/// Fills the mesh's cavities, tells the ventricles apart by the thickness of their walls, and cuts where the cavities
+/// are no longer enclosed. Throws UserError when there are not two cavities.
+AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm);
+
+/// Long axis, base point, RV side and length from the parts below the plane (base_point, base_normal).
+/// Slices' centroids of the left ventricle, only those clear of a tilted base, iterated.
+HeartFrame heart_frame(const Volume<std::uint8_t>& parts, const Vec3& base_point_mm, const Vec3& base_normal);
+
+/// Continues the parts above the base plane by their mirror image.
+void mirror_above_base(Volume<std::uint8_t>& parts, const Vec3& base_point_mm, const Vec3& base_normal);
+
+}  // namespace heart::atlas

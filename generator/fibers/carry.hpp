@@ -1,0 +1,35 @@
+// Fibres for a patient's myocardium from an atlas (thesis, chapter 9): pose, registration, carrying, inpainting, rule
+// for what the atlas does not have (papillary muscles, atria), and orthonormal frames on nodes and cells.
+// Serial per rank (threads inside); the same bits for any number of threads. Not collective.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "generator/atlas/atlas.hpp"
+#include "model/landmarks.hpp"
+#include "model/recipe.hpp"
+#include "model/tet_mesh.hpp"
+#include "model/volume.hpp"
+
+namespace heart::fibers {
+
+struct FiberResult {
+  FiberField node;                       ///< per node of the mesh, unit and mutually orthogonal to 1e-12
+  FiberField cell;                       ///< per cell
+  std::vector<std::uint8_t> source;      ///< FiberSource per node; never `none` on myocardium
+  std::vector<float> atlas_distance_mm;  ///< per node: to the nearest warped atlas sample; -1 where not ventricular
+  std::vector<float> wall_depth;         ///< per node: 0 at the endocardium, 1 at the epicardium; -1 where unknown
+  double min_jacobian = 0;               ///< smallest Jacobian of the warp on its grid; > 0: it folds nowhere
+  double affine_rms_mm = 0;              ///< misfit of the clipped distance maps after the affine step
+  double atlas_overlap = 0;              ///< Dice of the ventricular walls after the warp
+  std::vector<std::string> warnings;     ///< what a reader of the certificate should look at
+};
+
+/// `patient_labels`: tags of labels.hpp with at least lv_myocardium, rv_myocardium, lv_blood and rv_blood.
+/// `myocardium`: nodes in the same frame; cells outside the ventricles get rule-based fibres.
+/// Throws UserError where a ventricle is missing in the labels, the atlas cannot be aligned or is mirrored, and for
+/// settings out of range.
+FiberResult carry_fibers(const TetMesh& myocardium, const LabelVolume& patient_labels, const Landmarks& landmarks,
+                         const atlas::FiberAtlas& atlas, const FiberSettings& settings);
+
+}  // namespace heart::fibers

@@ -1,0 +1,55 @@
+#include "generator/fibers/push_forward.hpp"
+
+#include <cmath>
+
+#include "generator/parallel/threads.hpp"
+
+namespace heart::fibers {
+namespace {
+
+/// Trilinear mean of the dyads of the voxels that have one; zero where they hold less than half of the weight.
+atlas::AxisTensor atlas_tensor(const Volume<Vec3>& fiber, const Vec3& atlas_mm) {
+  const Vec3 index = index_from_lps(fiber.grid, atlas_mm);
+  const Vec3 low{std::floor(index.x), std::floor(index.y), std::floor(index.z)};
+  atlas::AxisTensor sum;
+  double total = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    std::int64_t at[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool upper = (corner >> axis) & 1;
+      const double fraction = index[axis] - low[axis];
+      weight *= upper ? fraction : 1 - fraction;
+      at[axis] = static_cast<std::int64_t>(low[axis]) + upper;
+    }
+    if (weight == 0 || !fiber.grid.contains(at[0], at[1], at[2])) continue;
+    const Vec3 f = fiber(at[0], at[1], at[2]);
+    if (norm(f) < 0.5) continue;
+    sum += weight * atlas::axis_tensor(f);
+    total += weight;
+  }
+  return total >= 0.5 ? sum : atlas::AxisTensor{};
+}
+
+}  // namespace
+
+std::vector<atlas::AxisTensor> push_forward(const atlas::AtlasImage& image, const atlas::Registration& registration,
+                                            const std::vector<Vec3>& patient_mm) {
+  std::vector<atlas::AxisTensor> result(patient_mm.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(result.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
+      const Vec3 axis =
+          atlas::leading_axis(atlas_tensor(image.fiber, atlas::atlas_position(registration, patient_mm[p])));
+      if (norm(axis) == 0) continue;
+      // The registration maps patient to atlas, so its derivative's inverse takes atlas vectors to the patient.
+      const Mat3 m = atlas::atlas_jacobian(registration, patient_mm[p]);
+      const Vec3 pushed =
+          normalized(dot(axis, {1, 0, 0}) * cross(m[1], m[2]) + dot(axis, {0, 1, 0}) * cross(m[2], m[0]) +
+                     dot(axis, {0, 0, 1}) * cross(m[0], m[1]));
+      result[p] = atlas::axis_tensor(pushed);
+    }
+  });
+  return result;
+}
+
+}  // namespace heart::fibers

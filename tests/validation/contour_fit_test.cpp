@@ -1,0 +1,153 @@
+#include "validation/contour_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/labels.hpp"
+#include "synthetic_heart.hpp"
+#include "validation/distance_map.hpp"
+#include "validation/report_tables.hpp"
+
+namespace heart::validation {
+namespace {
+
+constexpr Vec3 sphere_center{30, 30, 30};
+
+Grid cube_grid(std::int64_t n, double spacing) {
+  Grid grid;
+  grid.size = {n, n, n};
+  grid.spacing_mm = {spacing, spacing, spacing};
+  return grid;
+}
+
+/// A smooth edge from 300 to 0 HU at `radius_mm`, 2 mm wide.
+CtVolume sphere_image(double radius_mm) {
+  CtVolume ct(cube_grid(61, 1));
+  for (std::int64_t k = 0; k < 61; ++k)
+    for (std::int64_t j = 0; j < 61; ++j)
+      for (std::int64_t i = 0; i < 61; ++i) {
+        const double d = norm(Vec3{double(i), double(j), double(k)} - sphere_center) - radius_mm;
+        ct(i, j, k) = static_cast<std::int16_t>(std::lround(150 - 150 * std::tanh(d / 1.5)));
+      }
+  return ct;
+}
+
+/// Voxel tetrahedra of a ball, their boundary nodes moved to the sphere.
+TetMesh ball(double radius_mm) {
+  LabelVolume labels(cube_grid(21, 3));
+  for (std::int64_t k = 0; k < 21; ++k)
+    for (std::int64_t j = 0; j < 21; ++j)
+      for (std::int64_t i = 0; i < 21; ++i)
+        labels(i, j, k) = norm(Vec3{3.0 * i, 3.0 * j, 3.0 * k} - sphere_center) < radius_mm ? tag(Region::lv_blood) : 0;
+  TetMesh mesh = heart::testing::voxel_mesh(labels, [](Region r) { return r == Region::lv_blood; });
+  for (const Face& face : mesh.faces)
+    for (const auto n : face) {
+      Vec3& p = mesh.nodes_mm[static_cast<std::size_t>(n)];
+      p = sphere_center + radius_mm * normalized(p - sphere_center);
+    }
+  return mesh;
+}
+
+double fit(const Report& report, const char* metric) {
+  return row_value(report, "fit", report.front().scope, metric).value();
+}
+
+TEST(ContourFit, FindsAKnownOffset) {
+  const CtVolume ct = sphere_image(20);
+  const Report outside = check_contour_fit(ball(21), ct);
+  // Faces are chords: their centres lie up to 0.2 mm inside the sphere.
+  EXPECT_NEAR(fit(outside, "edge_distance_median"), -0.9, 0.15);
+  EXPECT_NEAR(fit(outside, "edge_distance_median_voxels"), fit(outside, "edge_distance_median"), 1e-12);
+  EXPECT_EQ(fit(outside, "edge_found"), 1);
+  EXPECT_LT(fit(outside, "edge_distance_max"), 1.5);
+  const Report inside = check_contour_fit(ball(18), ct);
+  EXPECT_NEAR(fit(inside, "edge_distance_median"), 2.1, 0.15);
+  for (const auto& row : outside) EXPECT_FALSE(row.judges());
+}
+
+TEST(ContourFit, DoesNotDependOnTheOrderOfAFacesNodes) {
+  const CtVolume ct = sphere_image(20);
+  TetMesh mesh = ball(21);
+  const Report before = check_contour_fit(mesh, ct);
+  for (std::size_t f = 0; f < mesh.faces.size(); f += 2) std::swap(mesh.faces[f][0], mesh.faces[f][1]);
+  EXPECT_EQ(fit(check_contour_fit(mesh, ct), "edge_distance_median"), fit(before, "edge_distance_median"));
+}
+
+TEST(ContourFit, SaysWhereThereIsNoEdge) {
+  const Report report = check_contour_fit(ball(21), CtVolume(cube_grid(61, 1), 40));
+  ASSERT_EQ(report.size(), 1u);
+  EXPECT_EQ(report[0].metric, "edge_found");
+  EXPECT_EQ(report[0].value, 0);
+}
+
+LabelVolume box_labels(const Grid& grid, Index3 low, Index3 high) {
+  LabelVolume labels(grid);
+  for (auto k = low[2]; k < high[2]; ++k)
+    for (auto j = low[1]; j < high[1]; ++j)
+      for (auto i = low[0]; i < high[0]; ++i) labels(i, j, k) = tag(Region::lv_blood);
+  return labels;
+}
+
+double agreement(const Report& report, const char* metric) {
+  return row_value(report, "fit", "lv_blood", metric).value();
+}
+
+TEST(LabelAgreement, ClosedFormsForAShiftedBox) {
+  Grid grid;
+  grid.size = {30, 12, 12};
+  grid.spacing_mm = {2, 1, 1};
+  const auto ours = box_labels(grid, {4, 2, 2}, {14, 10, 10}), reference = box_labels(grid, {7, 2, 2}, {17, 10, 10});
+  const Report report = compare_labels(ours, reference);
+  EXPECT_NEAR(agreement(report, "dice"), 2.0 * 7 / 20, 1e-12);
+  EXPECT_NEAR(agreement(report, "surface_distance_max"), 6, 1e-12);  // three voxels of 2 mm
+  EXPECT_GT(agreement(report, "surface_distance_mean"), 0.5);
+  EXPECT_LE(agreement(report, "surface_distance_p95"), 6);
+}
+
+TEST(LabelAgreement, IsPerfectWithItself) {
+  const auto labels = heart::testing::synthetic_labels(5);
+  for (const auto& row : compare_labels(labels, labels))
+    EXPECT_EQ(row.value, row.metric == "dice" ? 1 : 0) << row.metric;
+}
+
+TEST(LabelAgreement, ResamplesAnotherGrid) {
+  const auto coarse = heart::testing::synthetic_labels(2.5), fine = heart::testing::synthetic_labels(1.5);
+  const Report report = compare_labels(coarse, fine);
+  EXPECT_GT(agreement(report, "dice"), 0.93);
+  EXPECT_LT(agreement(report, "surface_distance_mean"), 1.3);
+}
+
+TEST(LabelAgreement, AMissingRegionHasNoDistance) {
+  Grid grid = cube_grid(8, 1);
+  const Report report = compare_labels(LabelVolume(grid), box_labels(grid, {2, 2, 2}, {5, 5, 5}));
+  ASSERT_EQ(report.size(), 1u);
+  EXPECT_EQ(report[0].metric, "dice");
+  EXPECT_EQ(report[0].value, 0);
+}
+
+TEST(DistanceMap, EqualsTheSlowSearch) {
+  Grid grid;
+  grid.size = {9, 7, 6};
+  grid.spacing_mm = {0.7, 1.3, 2.1};
+  std::vector<std::uint8_t> feature(static_cast<std::size_t>(grid.voxel_count()), 0);
+  for (std::size_t v = 0; v < feature.size(); ++v) feature[v] = v * 2654435761u % 37 == 0;
+  const auto distance = distance_to(grid, feature);
+  std::vector<Vec3> points;
+  std::vector<std::size_t> set;
+  for (std::int64_t k = 0; k < 6; ++k)
+    for (std::int64_t j = 0; j < 7; ++j)
+      for (std::int64_t i = 0; i < 9; ++i) {
+        if (feature[points.size()]) set.push_back(points.size());
+        points.push_back({0.7 * double(i), 1.3 * double(j), 2.1 * double(k)});
+      }
+  ASSERT_GT(set.size(), 3u);
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    double best = 1e300;
+    for (const auto f : set) best = std::min(best, norm(points[v] - points[f]));
+    EXPECT_NEAR(distance[v], best, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace heart::validation

@@ -1,0 +1,64 @@
+#include "validation/label_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include "synthetic_heart.hpp"
+#include "validation/report_tables.hpp"
+
+namespace heart::validation {
+namespace {
+
+/// A shell of `wall_mm` around a ball of blood of 15 mm, on a grid of 1 mm.
+LabelVolume shell(double wall_mm) {
+  Grid grid;
+  grid.size = {61, 61, 61};
+  LabelVolume labels(grid);
+  for (std::int64_t k = 0; k < 61; ++k)
+    for (std::int64_t j = 0; j < 61; ++j)
+      for (std::int64_t i = 0; i < 61; ++i) {
+        const double r = norm(Vec3{double(i), double(j), double(k)} - Vec3{30, 30, 30});
+        labels(i, j, k) = r < 15 ? tag(Region::lv_blood) : r < 15 + wall_mm ? tag(Region::lv_myocardium) : 0;
+      }
+  return labels;
+}
+
+double value(const Report& report, const char* scope, const char* metric) {
+  return row_value(report, "labels", scope, metric).value();
+}
+
+TEST(LabelChecks, VolumeOfABall) {
+  const Report report = check_labels(shell(8), {});
+  EXPECT_NEAR(value(report, "lv_blood", "volume"), 4.0 / 3 * 3.14159265 * 15 * 15 * 15 / 1000, 0.2);
+  EXPECT_EQ(value(report, "lv_blood", "components"), 1);
+  EXPECT_EQ(value(report, "lv_blood", "largest_component"), 1);
+}
+
+TEST(LabelChecks, ThicknessOfAShell) {
+  for (const double wall : {4.0, 8.0, 12.0})
+    EXPECT_NEAR(value(check_labels(shell(wall), {}), "lv_myocardium", "wall_thickness_median"), wall, 0.6) << wall;
+}
+
+TEST(LabelChecks, CountsComponentsByCorners) {
+  Grid grid;
+  grid.size = {10, 10, 10};
+  LabelVolume labels(grid);
+  labels(1, 1, 1) = labels(2, 2, 2) = labels(2, 2, 3) = tag(Region::aorta);  // joined by a corner
+  labels(8, 8, 8) = tag(Region::aorta);
+  const Report report = check_labels(labels, {});
+  EXPECT_EQ(value(report, "aorta", "components"), 2);
+  EXPECT_EQ(value(report, "aorta", "largest_component"), 0.75);
+}
+
+TEST(LabelChecks, JudgesOnlyWhatIsNeeded) {
+  const Report fine = check_labels(shell(8), {Region::lv_blood});
+  EXPECT_TRUE(all_passed(fine));
+  std::size_t judging = 0;
+  for (const auto& row : fine) judging += row.judges();
+  EXPECT_EQ(judging, 1u);
+  const Report empty = check_labels(shell(8), {Region::lv_blood, Region::ra_blood});
+  EXPECT_FALSE(all_passed(empty));
+  EXPECT_EQ(value(empty, "ra_blood", "volume"), 0);
+}
+
+}  // namespace
+}  // namespace heart::validation

@@ -1,0 +1,275 @@
+#include "validation/pictures.hpp"
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <array>
+#include <cstring>
+#include <set>
+
+#include "model/error.hpp"
+#include "synthetic_heart.hpp"
+#include "validation/boundary_faces.hpp"
+#include "validation/canvas.hpp"
+#include "validation/heart_frame.hpp"
+#include "validation/palette.hpp"
+#include "validation/streamlines.hpp"
+
+namespace heart::validation {
+namespace {
+
+using heart::testing::synthetic_ct;
+using heart::testing::synthetic_labels;
+using heart::testing::synthetic_myocardium;
+
+/// Decoded with libpng's own reader.
+Canvas decoded(const PngBytes& bytes) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  EXPECT_TRUE(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size())) << image.message;
+  image.format = PNG_FORMAT_RGB;
+  Canvas canvas(static_cast<int>(image.width), static_cast<int>(image.height), Rgb{});
+  static_assert(sizeof(Rgb) == 3);
+  EXPECT_TRUE(png_image_finish_read(&image, nullptr, canvas.pixels.data(), 0, nullptr)) << image.message;
+  return canvas;
+}
+
+Rgb pixel(const Canvas& canvas, double share_x, double share_y) {
+  return canvas.pixels[canvas.at(static_cast<int>(share_x * canvas.width), static_cast<int>(share_y * canvas.height))];
+}
+
+bool reddish(Rgb c) { return c.r > c.g + 25 && c.r > c.b + 25; }
+bool bluish(Rgb c) { return c.b > c.r + 25; }
+bool near_white(Rgb c) { return c.r > 245 && c.g > 245 && c.b > 245; }
+
+/// One bright voxel block on dark ground, off the middle along all three axes.
+CtVolume marked_ct(const Vec3& mark_lps) {
+  Grid grid;
+  grid.size = {40, 50, 60};
+  grid.spacing_mm = {1, 1, 1};
+  CtVolume ct(grid, -1000);
+  for (std::int64_t k = 0; k < 60; ++k)
+    for (std::int64_t j = 0; j < 50; ++j)
+      for (std::int64_t i = 0; i < 40; ++i)
+        if (norm(Vec3{double(i), double(j), double(k)} - mark_lps) < 5) ct(i, j, k) = 1000;
+  return ct;
+}
+
+TEST(SlicePicture, HasTheAskedSizeAndSquarePixels) {
+  Grid grid;
+  grid.size = {40, 50, 20};
+  grid.spacing_mm = {1, 1, 3};
+  const CtVolume ct(grid, 0);
+  SliceOptions options;
+  options.width_px = 200;
+  const Canvas axial = decoded(slice_picture(&ct, nullptr, SlicePlane::axial, 10, options));
+  EXPECT_EQ(axial.width, 200);
+  EXPECT_EQ(axial.height, 250);
+  const Canvas coronal = decoded(slice_picture(&ct, nullptr, SlicePlane::coronal, 10, options));
+  EXPECT_EQ(coronal.height, 300);  // 20 slices of 3 mm over 40 mm
+}
+
+TEST(SlicePicture, ShowsThePatientsLeftOnTheRightAndHeadUp) {
+  const CtVolume ct = marked_ct({30, 10, 50});  // left, front, up
+  const Canvas axial = decoded(slice_picture(&ct, nullptr, SlicePlane::axial, 50));
+  EXPECT_GT(pixel(axial, 30.5 / 40, 10.5 / 50).r, 200);
+  EXPECT_LT(pixel(axial, 10.5 / 40, 10.5 / 50).r, 50);
+  const Canvas coronal = decoded(slice_picture(&ct, nullptr, SlicePlane::coronal, 10));
+  EXPECT_GT(pixel(coronal, 30.5 / 40, 9.5 / 60).r, 200);
+  const Canvas sagittal = decoded(slice_picture(&ct, nullptr, SlicePlane::sagittal, 30));
+  EXPECT_GT(pixel(sagittal, 10.5 / 50, 9.5 / 60).r, 200);
+}
+
+TEST(SlicePicture, IsTheSameForAFlippedGrid) {
+  const CtVolume ct = marked_ct({30, 10, 50});
+  SliceOptions options;
+  options.width_px = 160;
+  CtVolume flipped(ct.grid);
+  flipped.grid.direction[1] = {0, -1, 0};
+  flipped.grid.origin_mm.y = 49;
+  for (std::int64_t k = 0; k < 60; ++k)
+    for (std::int64_t j = 0; j < 50; ++j)
+      for (std::int64_t i = 0; i < 40; ++i) flipped(i, j, k) = ct(i, 49 - j, k);
+  EXPECT_EQ(slice_picture(&ct, nullptr, SlicePlane::axial, 50, options),
+            slice_picture(&flipped, nullptr, SlicePlane::axial, 50, options));
+  EXPECT_EQ(slice_picture(&ct, nullptr, SlicePlane::coronal, 10, options),
+            slice_picture(&flipped, nullptr, SlicePlane::coronal, 39, options));
+}
+
+TEST(SlicePicture, OutlinesFollowTheRegions) {
+  const LabelVolume labels = synthetic_labels(2.5);
+  const CtVolume ct(labels.grid, -1000);
+  SliceOptions options;
+  options.legend = false;
+  const Canvas canvas = decoded(slice_picture(&ct, &labels, SlicePlane::axial, 20, options));
+  std::set<std::size_t> outlined;
+  for (std::size_t region : {1u, 2u, 6u, 7u})
+    for (const Rgb p : canvas.pixels)
+      if (p == region_color(static_cast<std::int32_t>(region))) outlined.insert(region);
+  EXPECT_EQ(outlined.size(), 4u);
+  EXPECT_LT(pixel(canvas, 0.06, 0.2).r, 30);  // nothing is drawn outside
+}
+
+TEST(SlicePicture, RefusesASliceOutside) {
+  const CtVolume ct = marked_ct({0, 0, 0});
+  EXPECT_THROW(slice_picture(&ct, nullptr, SlicePlane::axial, 60), UserError);
+  EXPECT_THROW(slice_picture(nullptr, nullptr, SlicePlane::axial, 0), UserError);
+}
+
+TEST(BoundaryFaces, CloseEveryRegionAndPointOut) {
+  const TetMesh mesh = heart::testing::two_region_mesh(3);
+  const auto boundary = boundary_faces(mesh, std::vector<std::uint8_t>(mesh.cells.size(), 1), true);
+  std::array<double, 2> volume{};  // by the divergence theorem
+  for (std::size_t f = 0; f < boundary.faces.size(); ++f) {
+    const auto at = [&](std::size_t k) { return mesh.nodes_mm[static_cast<std::size_t>(boundary.faces[f][k])]; };
+    const bool first = mesh.region[static_cast<std::size_t>(boundary.cell[f])] == mesh.region.front();
+    volume[first ? 0 : 1] += dot(at(0), cross(at(1), at(2))) / 6;
+  }
+  EXPECT_NEAR(volume[0], 3 * 1.1 * 3 * 3 * 0.9, 1e-9);
+  EXPECT_NEAR(volume[1], 3 * 1.1 * 3 * 3 * 0.9, 1e-9);
+}
+
+TEST(MeshPicture, ShowsTheRightVentricleOnTheLeftFromTheFront) {
+  const TetMesh mesh = synthetic_myocardium(synthetic_labels(5));
+  MeshPictureOptions options;
+  options.edges = false;
+  options.cut = CutPlane{{0, 0, 0}, {0, -1, 0}};
+  const Canvas front = decoded(mesh_picture(mesh, View::front, options));
+  EXPECT_EQ(front.width, 720);
+  EXPECT_EQ(front.height, 640);
+  std::array<double, 2> column_sum{}, count{};
+  for (int y = 0; y < front.height; ++y)
+    for (int x = 0; x < front.width; ++x) {
+      const Rgb p = front.pixels[front.at(x, y)];
+      if (near_white(p) || p.r < p.b + 30) continue;
+      const std::size_t orange = p.g > 0.55 * p.r ? 1 : 0;  // right ventricle: orange, left: red
+      column_sum[orange] += x, count[orange] += 1;
+    }
+  ASSERT_GT(count[0], 1000);
+  ASSERT_GT(count[1], 1000);
+  EXPECT_LT(column_sum[1] / count[1] + 100, column_sum[0] / count[0]);
+}
+
+TEST(MeshPicture, ACutOpensTheCavity) {
+  const TetMesh mesh = synthetic_myocardium(synthetic_labels(5));
+  MeshPictureOptions options;
+  options.width_px = options.height_px = 200;
+  const auto closed = mesh_picture(mesh, View::front, options);
+  options.cut = CutPlane{{0, 0, 0}, {0, -1, 0}};
+  const auto open = mesh_picture(mesh, View::front, options);
+  EXPECT_NE(closed, open);
+  options.cut = CutPlane{{0, -500, 0}, {0, -1, 0}};  // cuts nothing
+  EXPECT_EQ(mesh_picture(mesh, View::front, options), closed);
+  options.cut = CutPlane{{0, 500, 0}, {0, -1, 0}};  // cuts everything
+  const Canvas empty = decoded(mesh_picture(mesh, View::front, options));
+  EXPECT_TRUE(near_white(pixel(empty, 0.5, 0.4)));
+}
+
+TEST(HelixAngle, IsKnownOnTheSyntheticField) {
+  const TetMesh mesh = synthetic_myocardium(synthetic_labels(2.5));
+  const auto angles = helix_angle_per_node(mesh);
+  double worst = 0, compared = 0;
+  for (std::size_t n = 0; n < angles.size(); ++n) {
+    const Vec3& p = mesh.nodes_mm[n];
+    // The left ventricle's free wall at mid height, away from voxel steps at the surfaces and from the junctions.
+    const double inner = heart::testing::ellipsoid(p, {0, 0, 20}, {20, 20, 50});
+    const double outer = heart::testing::ellipsoid(p, {0, 0, 20}, {30, 30, 60});
+    if (p.x < 12 || p.z < 0 || p.z > 15 || inner < 1.12 || outer > 0.92) continue;
+    const double depth = (inner - 1) / ((inner - 1) + (1 - outer));
+    worst = std::max(worst, std::abs(angles[n] - (60 - 120 * depth)));
+    ++compared;
+  }
+  EXPECT_GT(compared, 50);
+  EXPECT_LT(worst, 16);  // stairs of 2.5 mm tilt the normals, and the long axis by a few degrees
+}
+
+TEST(HeartFrame, FindsTheAxisAndTheRightSide) {
+  const HeartFrame frame = heart_frame(synthetic_myocardium(synthetic_labels(2.5)));
+  EXPECT_GT(frame.axis.z, 0.98);
+  EXPECT_LT(frame.to_right.x, -0.8);
+  EXPECT_NEAR(dot(frame.axis, frame.to_right), 0, 1e-12);
+}
+
+TEST(Streamlines, FollowCirclesWhateverTheSigns) {
+  TetMesh mesh = heart::testing::two_region_mesh(12);
+  const Vec3 center{1.0 / 3 + 13.2, -7.25 + 6, 0};
+  for (std::size_t n = 0; n < mesh.nodes_mm.size(); ++n) {
+    const Vec3 d = mesh.nodes_mm[n] - center;
+    const Vec3 around = normalized(Vec3{-d.y, d.x, 0});
+    mesh.node_fibers.fiber[n] = n % 3 == 0 ? -around : around;
+  }
+  const std::vector<double> helix(mesh.nodes_mm.size(), 0);
+  std::vector<std::int32_t> seeds;
+  for (std::size_t n = 0; n < mesh.nodes_mm.size(); ++n) {
+    const Vec3 d = mesh.nodes_mm[n] - center;
+    if (std::abs(std::hypot(d.x, d.y) - 4.5) < 0.3 && d.z > 2) seeds.push_back(static_cast<std::int32_t>(n));
+  }
+  const auto lines = trace_fibers(mesh, seeds, helix, {0.5, 14});
+  ASSERT_GT(lines.size(), 10u);
+  for (const auto& line : lines) {
+    EXPECT_GE(line.points_mm.size(), 25u);
+    ASSERT_EQ(line.points_mm.size(), line.helix_deg.size());
+    const auto radius = [&](const Vec3& p) { return std::hypot(p.x - center.x, p.y - center.y); };
+    for (const Vec3& p : line.points_mm) EXPECT_NEAR(radius(p), radius(line.points_mm.front()), 0.35);
+  }
+}
+
+TEST(FiberPicture, IsRedInsideBlueOutsideAndTheSameTwice) {
+  const TetMesh mesh = synthetic_myocardium(synthetic_labels(5));
+  FiberPictureOptions options;
+  options.width_px = 300, options.height_px = 260;
+  const auto cut = fiber_picture(mesh, options);
+  EXPECT_EQ(cut, fiber_picture(mesh, options));
+  const Canvas inside = decoded(cut);
+  int red = 0, blue = 0;
+  for (int y = 60; y < inside.height; ++y)  // below the legend
+    for (int x = 0; x < inside.width; ++x) {
+      red += reddish(inside.pixels[inside.at(x, y)]);
+      blue += bluish(inside.pixels[inside.at(x, y)]);
+    }
+  EXPECT_GT(red, 2000);
+  EXPECT_GT(blue, 2000);
+  options.cut = false;
+  const Canvas outside = decoded(fiber_picture(mesh, options));
+  int red_outside = 0, blue_outside = 0;
+  for (int y = 60; y < outside.height; ++y)
+    for (int x = 0; x < outside.width; ++x) {
+      red_outside += reddish(outside.pixels[outside.at(x, y)]);
+      blue_outside += bluish(outside.pixels[outside.at(x, y)]);
+    }
+  EXPECT_GT(blue_outside, 10 * red_outside);
+}
+
+TEST(FiberPicture, NeedsFibres) {
+  TetMesh mesh = heart::testing::two_region_mesh(2);
+  mesh.node_fibers = {};
+  EXPECT_THROW(fiber_picture(mesh), UserError);
+}
+
+TEST(Charts, HistogramBarsAddUpToEverything) {
+  const std::string svg = histogram_svg({"a<b", {10, 10, 10, 50}}, 0, 100, 10, "mm");
+  EXPECT_NE(svg.find("a&lt;b"), std::string::npos);
+  EXPECT_EQ(svg.find("a<b"), std::string::npos);
+  std::size_t bars = 0;
+  for (auto at = svg.find("class=\"bar\""); at != std::string::npos; at = svg.find("class=\"bar\"", at + 1)) ++bars;
+  EXPECT_EQ(bars, 2u);
+  EXPECT_NE(svg.find("75%"), std::string::npos);  // the taller bar
+}
+
+TEST(Charts, ProfileSkipsEmptyBins) {
+  const double none = std::nan("");
+  const std::string svg =
+      helix_profile_svg({{"LV", {0.25, 0.5, 0.75}, {60, none, -60}, {50, none, -70}, {70, none, -50}}});
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_NE(svg.find("class=\"line s0\""), std::string::npos);
+}
+
+TEST(Palette, HelixRampRunsFromBlueToRed) {
+  EXPECT_TRUE(bluish(helix_color(-75)));
+  EXPECT_TRUE(reddish(helix_color(75)));
+  EXPECT_EQ(helix_color(75), helix_color(90));
+  EXPECT_EQ(helix_color(std::nan("")), (Rgb{150, 150, 150}));
+}
+
+}  // namespace
+}  // namespace heart::validation

@@ -1,0 +1,204 @@
+#include "validation/fiber_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "validation/heart_frame.hpp"
+#include "validation/quantiles.hpp"
+#include "validation/wall_depth.hpp"
+
+namespace heart::validation {
+namespace {
+
+constexpr double degrees = 57.29577951308232;
+constexpr double unit_tolerance = 1e-6;
+
+ReportRow row(std::string scope, std::string metric, double value, std::string unit,
+              std::optional<double> at_least = {}, std::optional<double> at_most = {}) {
+  return {"fibers", std::move(scope), std::move(metric), value, std::move(unit), at_least, at_most};
+}
+
+bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+/// Largest deviation from unit length and from right angles; NaN counts as 1.
+double frame_error(const FiberField& field, std::size_t n) {
+  const Vec3 &f = field.fiber[n], &s = field.sheet[n], &t = field.sheet_normal[n];
+  if (!finite(f) || !finite(s) || !finite(t)) return 1;
+  return std::max({std::abs(norm(f) - 1), std::abs(norm(s) - 1), std::abs(norm(t) - 1), std::abs(dot(f, s)),
+                   std::abs(dot(f, t)), std::abs(dot(s, t))});
+}
+
+bool complete(const FiberField& field, std::size_t count) {
+  return field.fiber.size() == count && field.sheet.size() == count && field.sheet_normal.size() == count;
+}
+
+void add_frame_rows(const FiberField& field, std::size_t count, const std::string& where, Report& report) {
+  std::size_t missing = complete(field, count) ? 0 : count;
+  double worst = 0;
+  for (std::size_t n = 0; n < count && missing != count; ++n) {
+    missing += !finite(field.fiber[n]) || norm(field.fiber[n]) < 0.5;
+    worst = std::max(worst, frame_error(field, n));
+  }
+  report.push_back(row("myocardium", "missing_" + where, static_cast<double>(missing), "count", {}, 0));
+  report.push_back(row("myocardium", "orthonormality_error_" + where, worst, "1", {}, unit_tolerance));
+}
+
+bool ventricular(std::int32_t region) {
+  return region == tag(Region::lv_myocardium) || region == tag(Region::rv_myocardium);
+}
+
+double axis_angle_deg(const Vec3& a, const Vec3& b) {
+  return degrees * std::atan2(norm(cross(a, b)), std::abs(dot(a, b)));
+}
+
+/// Angles between the fibre axes at the ends of every edge of the ventricles' cells.
+std::vector<double> edge_jumps_deg(const TetMesh& mesh) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (!ventricular(mesh.region[c])) continue;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = a + 1; b < 4; ++b) edges.push_back(std::minmax(mesh.cells[c][a], mesh.cells[c][b]));
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  std::vector<double> jumps;
+  jumps.reserve(edges.size());
+  for (const auto& [a, b] : edges)
+    jumps.push_back(axis_angle_deg(mesh.node_fibers.fiber[static_cast<std::size_t>(a)],
+                                   mesh.node_fibers.fiber[static_cast<std::size_t>(b)]));
+  return jumps;
+}
+
+void add_jump_rows(const TetMesh& mesh, Report& report) {
+  const auto jumps = edge_jumps_deg(mesh);
+  if (jumps.empty()) return;
+  report.push_back(row("ventricles", "neighbour_jump_p50", quantile(jumps, 0.5), "deg"));
+  report.push_back(row("ventricles", "neighbour_jump_p99", quantile(jumps, 0.99), "deg"));
+  report.push_back(row("ventricles", "neighbour_jump_max", *std::max_element(jumps.begin(), jumps.end()), "deg"));
+}
+
+/// Shares of the ventricles' nodes by source.
+void add_source_rows(const TetMesh& mesh, const ValidationSettings& settings, Report& report) {
+  if (mesh.fiber_source.size() != mesh.nodes_mm.size()) {
+    report.push_back(
+        row("myocardium", "nodes_without_source", static_cast<double>(mesh.nodes_mm.size()), "count", {}, 0));
+    return;
+  }
+  std::vector<std::uint8_t> in_ventricle(mesh.nodes_mm.size());
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (ventricular(mesh.region[c]))
+      for (const auto n : mesh.cells[c]) in_ventricle[static_cast<std::size_t>(n)] = 1;
+  double ventricle = 0, other = 0, none = 0;
+  for (std::size_t n = 0; n < in_ventricle.size(); ++n) {
+    const auto source = static_cast<FiberSource>(mesh.fiber_source[n]);
+    none += source == FiberSource::none;
+    ventricle += in_ventricle[n];
+    other += in_ventricle[n] && source != FiberSource::atlas;
+  }
+  report.push_back(row("myocardium", "nodes_without_source", none, "count", {}, 0));
+  report.push_back(row("ventricles", "inpainted_fraction", ventricle > 0 ? other / ventricle : 0, "1", {},
+                       settings.maximum_inpainted_fraction));
+}
+
+struct HelixSamples {
+  std::vector<double> depth, helix_deg;
+};
+
+/// Helix angle at the centroid of every cell of the ventricle, away from the apex, where "around" means nothing.
+HelixSamples helix_samples(const TetMesh& mesh, Region ventricle) {
+  constexpr double least_tangent = 0.3;
+  HelixSamples samples;
+  if (mesh.cell_fibers.fiber.size() != mesh.cells.size()) return samples;
+  const WallDepth wall = wall_depth(mesh, ventricle);
+  const Vec3 axis = heart_frame(mesh).axis;
+  for (std::size_t w = 0; w < wall.cells.size(); ++w) {
+    const Vec3 n = wall.normal[w];
+    const Vec3 along = axis - dot(axis, n) * n;
+    const Vec3 fiber = mesh.cell_fibers.fiber[static_cast<std::size_t>(wall.cells[w])];
+    if (norm(n) < 0.5 || norm(along) < least_tangent || !finite(fiber)) continue;
+    const Vec3 up = normalized(along);
+    double rise = dot(fiber, up), turn = dot(fiber, cross(up, n));
+    if (turn < 0) rise = -rise, turn = -turn;
+    samples.depth.push_back(wall.depth[w]);
+    samples.helix_deg.push_back(degrees * std::atan2(rise, turn));
+  }
+  return samples;
+}
+
+/// Median of angles that are only known up to 180 degrees: taken within ±90 of their mean direction.
+double axis_quantile(const std::vector<double>& angles_deg, double q) {
+  double c = 0, s = 0;
+  for (const double a : angles_deg) {
+    c += std::cos(2 * a / degrees);
+    s += std::sin(2 * a / degrees);
+  }
+  const double mean = 0.5 * degrees * std::atan2(s, c);
+  std::vector<double> around;
+  around.reserve(angles_deg.size());
+  for (const double a : angles_deg) around.push_back(mean + std::remainder(a - mean, 180.0));
+  return quantile(std::move(around), q);
+}
+
+std::vector<std::vector<double>> binned(const HelixSamples& samples, int bins) {
+  std::vector<std::vector<double>> bin(static_cast<std::size_t>(bins));
+  for (std::size_t n = 0; n < samples.depth.size(); ++n) {
+    const int b = std::clamp(static_cast<int>(samples.depth[n] * bins), 0, bins - 1);
+    bin[static_cast<std::size_t>(b)].push_back(samples.helix_deg[n]);
+  }
+  return bin;
+}
+
+/// Endocardium, middle and epicardium against ranges that hold all published human and canine hearts (Streeter 1969,
+/// Lombaert 2012) with room for the measure's own spread: a field that breaks them is wrong, not unusual.
+void add_helix_rows(const TetMesh& mesh, Region ventricle, Report& report) {
+  const auto bins = binned(helix_samples(mesh, ventricle), 5);
+  const std::string scope = region_name(tag(ventricle));
+  const bool left = ventricle == Region::lv_myocardium;
+  const auto add = [&](std::size_t bin, const char* metric, std::optional<double> low, std::optional<double> high) {
+    if (!bins[bin].empty()) report.push_back(row(scope, metric, axis_quantile(bins[bin], 0.5), "deg", low, high));
+  };
+  using Bound = std::optional<double>;
+  add(0, "helix_endocardium_median (published 40 to 80)", left ? Bound(10) : Bound(), left ? Bound(95) : Bound());
+  add(2, "helix_midwall_median (published -10 to 20)", {}, {});
+  add(4, "helix_epicardium_median (published -80 to -30)", left ? Bound(-95) : Bound(), left ? Bound(0) : Bound());
+}
+
+void add_registration_rows(const RegistrationFigures& figures, const ValidationSettings& settings, Report& report) {
+  if (figures.min_jacobian)
+    report.push_back(row("registration", "jacobian_min", *figures.min_jacobian, "1", settings.minimum_jacobian));
+  if (figures.affine_rms_mm) report.push_back(row("registration", "affine_misfit_rms", *figures.affine_rms_mm, "mm"));
+  if (figures.atlas_overlap) report.push_back(row("registration", "wall_overlap_dice", *figures.atlas_overlap, "1"));
+}
+
+}  // namespace
+
+HelixProfile helix_profile(const TetMesh& myocardium, Region ventricle, int bins) {
+  const auto bin = binned(helix_samples(myocardium, ventricle), bins);
+  HelixProfile profile;
+  if (std::all_of(bin.begin(), bin.end(), [](const auto& b) { return b.empty(); })) return profile;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t b = 0; b < bin.size(); ++b) {
+    profile.depth.push_back((static_cast<double>(b) + 0.5) / bins);
+    profile.median_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.5));
+    profile.p10_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.1));
+    profile.p90_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.9));
+  }
+  return profile;
+}
+
+Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figures, const ValidationSettings& settings) {
+  Report report;
+  add_frame_rows(myocardium.node_fibers, myocardium.nodes_mm.size(), "nodes", report);
+  add_frame_rows(myocardium.cell_fibers, myocardium.cells.size(), "cells", report);
+  add_source_rows(myocardium, settings, report);
+  add_registration_rows(figures, settings, report);
+  if (!complete(myocardium.node_fibers, myocardium.nodes_mm.size())) return report;
+  add_jump_rows(myocardium, report);
+  for (const Region ventricle : {Region::lv_myocardium, Region::rv_myocardium})
+    add_helix_rows(myocardium, ventricle, report);
+  return report;
+}
+
+}  // namespace heart::validation

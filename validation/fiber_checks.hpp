@@ -1,0 +1,38 @@
+// The fibre certificate: what can be measured on a myocardium mesh with fibres alone (so that `validate` can repeat
+// it on any bundle), plus the figures of the registration where they are known.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "model/labels.hpp"
+#include "model/recipe.hpp"
+#include "model/report.hpp"
+#include "model/tet_mesh.hpp"
+
+namespace heart::validation {
+
+/// Figures that only the build knows; a re-validation takes them from the bundle's metrics, or leaves them out.
+struct RegistrationFigures {
+  std::optional<double> min_jacobian;
+  std::optional<double> affine_rms_mm;
+  std::optional<double> atlas_overlap;  ///< Dice of the walls
+};
+
+/// Helix angle against wall depth: the angle between the fibre's projection on the wall's tangent plane and the
+/// circumferential direction; positive where the fibre climbs to the base while turning counter-clockwise seen from
+/// there (a right-handed helix, as at a normal endocardium).
+struct HelixProfile {
+  std::vector<double> depth;       ///< bin centres, 0 endocardium to 1 epicardium
+  std::vector<double> median_deg;  ///< NaN where a bin is empty
+  std::vector<double> p10_deg;
+  std::vector<double> p90_deg;
+};
+
+/// `ventricle` is lv_myocardium or rv_myocardium. Depth is the solution of Laplace's equation on the mesh between the
+/// endocardial faces and the other faces of the region. Empty when the mesh lacks the faces, the region or the fibres.
+HelixProfile helix_profile(const TetMesh& myocardium, Region ventricle, int bins = 10);
+
+/// Rows of group "fibers". `myocardium` carries node_fibers, cell_fibers and fiber_source.
+Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figures, const ValidationSettings& settings);
+
+}  // namespace heart::validation

@@ -1,0 +1,136 @@
+#include "validation/label_checks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "validation/distance_map.hpp"
+#include "validation/quantiles.hpp"
+
+namespace heart::validation {
+namespace {
+
+constexpr double mm3_per_ml = 1000;
+
+/// Sizes (voxels) of the 26-connected components, per region tag.
+std::vector<std::vector<std::size_t>> component_sizes(const LabelVolume& labels) {
+  std::vector<std::vector<std::size_t>> sizes(256);
+  std::vector<std::uint8_t> seen(labels.voxels.size(), 0);
+  std::vector<Index3> stack;
+  const auto& size = labels.grid.size;
+  const auto flood = [&](std::uint8_t region) {
+    std::size_t count = 0;
+    while (!stack.empty()) {
+      const Index3 at = stack.back();
+      stack.pop_back();
+      ++count;
+      for (int step = 0; step < 27; ++step) {
+        const std::int64_t i = at[0] + step % 3 - 1, j = at[1] + step / 3 % 3 - 1, k = at[2] + step / 9 - 1;
+        if (!labels.grid.contains(i, j, k) || labels(i, j, k) != region) continue;
+        auto& visited = seen[static_cast<std::size_t>(labels.grid.offset(i, j, k))];
+        if (!visited) stack.push_back({i, j, k});
+        visited = 1;
+      }
+    }
+    return count;
+  };
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
+        if (seen[v] || labels.voxels[v] == 0) continue;
+        seen[v] = 1;
+        stack.push_back({i, j, k});
+        sizes[labels.voxels[v]].push_back(flood(labels.voxels[v]));
+      }
+  return sizes;
+}
+
+struct Box {
+  Index3 low, high;  ///< high is past the end
+};
+
+/// Box of the voxels with one of two labels, grown by one voxel where the grid allows.
+Box box_of(const LabelVolume& labels, std::uint8_t wall, std::uint8_t cavity) {
+  Box box{labels.grid.size, {0, 0, 0}};
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < labels.grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < labels.grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < labels.grid.size[0]; ++i, ++v) {
+        if (labels.voxels[v] != wall && labels.voxels[v] != cavity) continue;
+        const Index3 at{i, j, k};
+        for (std::size_t a = 0; a < 3; ++a) {
+          box.low[a] = std::min(box.low[a], std::max<std::int64_t>(at[a] - 1, 0));
+          box.high[a] = std::max(box.high[a], std::min(at[a] + 2, labels.grid.size[a]));
+        }
+      }
+  return box;
+}
+
+std::vector<double> wall_thickness(const LabelVolume& labels, Region wall, Region cavity) {
+  const Box box = box_of(labels, tag(wall), tag(cavity));
+  if (box.low[0] >= box.high[0]) return {};
+  Grid grid;
+  grid.spacing_mm = labels.grid.spacing_mm;
+  for (std::size_t a = 0; a < 3; ++a) grid.size[a] = box.high[a] - box.low[a];
+  const auto count = static_cast<std::size_t>(grid.voxel_count());
+  std::vector<std::uint8_t> is_wall(count, 0), inside(count, 0), outside(count, 0);
+  std::size_t v = 0;
+  for (std::int64_t k = box.low[2]; k < box.high[2]; ++k)
+    for (std::int64_t j = box.low[1]; j < box.high[1]; ++j)
+      for (std::int64_t i = box.low[0]; i < box.high[0]; ++i, ++v) {
+        const std::uint8_t label = labels(i, j, k);
+        is_wall[v] = label == tag(wall);
+        inside[v] = label == tag(cavity) || label == tag(Region::papillary);
+        outside[v] = !is_wall[v] && !inside[v];
+      }
+  const auto to_cavity = distance_to(grid, inside), to_outside = distance_to(grid, outside);
+  const double voxel_mm = std::cbrt(grid.voxel_volume_mm3());
+  // Centres of voxels lie inside their surfaces: by one voxel on both sides together where the wall runs along the
+  // grid, by about 0.6 where it runs obliquely.
+  const double inset_mm = 0.75 * voxel_mm;
+  std::vector<double> thickness;
+  constexpr double none = 1e17;  // one of the two sides does not exist
+  for (v = 0; v < count; ++v)
+    if (is_wall[v] && to_cavity[v] < none && to_outside[v] < none && std::abs(to_cavity[v] - to_outside[v]) <= voxel_mm)
+      thickness.push_back(to_cavity[v] + to_outside[v] - inset_mm);
+  return thickness;
+}
+
+void add_thickness(Report& report, const LabelVolume& labels, Region wall, Region cavity) {
+  const auto thickness = wall_thickness(labels, wall, cavity);
+  if (thickness.empty()) return;
+  const std::string scope = region_name(tag(wall));
+  for (const auto& [metric, q] :
+       {std::pair{"wall_thickness_p05", 0.05}, {"wall_thickness_median", 0.5}, {"wall_thickness_p95", 0.95}})
+    report.push_back({"labels", scope, metric, quantile(thickness, q), "mm", {}, {}});
+}
+
+}  // namespace
+
+Report check_labels(const LabelVolume& labels, const std::vector<Region>& needed) {
+  Report report;
+  const auto sizes = component_sizes(labels);
+  for (std::size_t region = 1; region < sizes.size(); ++region) {
+    const bool is_needed = std::find(needed.begin(), needed.end(), static_cast<Region>(region)) != needed.end();
+    if (sizes[region].empty() && !is_needed) continue;
+    double total = 0, largest = 0;
+    for (const auto size : sizes[region]) {
+      total += static_cast<double>(size);
+      largest = std::max(largest, static_cast<double>(size));
+    }
+    const std::string scope = region_name(static_cast<std::int32_t>(region));
+    ReportRow volume{"labels", scope, "volume", total * labels.grid.voxel_volume_mm3() / mm3_per_ml, "ml", {}, {}};
+    if (is_needed) volume.at_least = labels.grid.voxel_volume_mm3() / mm3_per_ml;  // one voxel: not empty
+    report.push_back(volume);
+    if (sizes[region].empty()) continue;
+    report.push_back({"labels", scope, "components", static_cast<double>(sizes[region].size()), "count", {}, {}});
+    report.push_back({"labels", scope, "largest_component", largest / total, "1", {}, {}});
+  }
+  add_thickness(report, labels, Region::lv_myocardium, Region::lv_blood);
+  add_thickness(report, labels, Region::rv_myocardium, Region::rv_blood);
+  return report;
+}
+
+}  // namespace heart::validation

@@ -1,0 +1,272 @@
+#include "validation/mesh_checks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "model/labels.hpp"
+#include "validation/cell_quality.hpp"
+#include "validation/mesh_topology.hpp"
+
+namespace heart::validation {
+namespace {
+
+/// Appends rows of one scope.
+struct Rows {
+  Report* report;
+  std::string scope;
+  void add(const char* metric, double value, const char* unit) const {
+    report->push_back({"mesh", scope, metric, value, unit, std::nullopt, std::nullopt});
+  }
+  void at_least(const char* metric, double value, const char* unit, double bound) const {
+    report->push_back({"mesh", scope, metric, value, unit, bound, std::nullopt});
+  }
+  void at_most(const char* metric, double value, const char* unit, double bound) const {
+    report->push_back({"mesh", scope, metric, value, unit, std::nullopt, bound});
+  }
+  void count(const char* metric, std::int64_t value) const { add(metric, static_cast<double>(value), "count"); }
+  void zero(const char* metric, std::int64_t value) const { at_most(metric, static_cast<double>(value), "count", 0); }
+};
+
+struct Facts {
+  const TetMesh* mesh;
+  std::vector<CellQuality> cells;
+  std::vector<MeshFace> faces;
+  std::vector<FaceQuality> face_quality;  // per face; zero on the boundary
+};
+
+std::int64_t invalid_ids(const TetMesh& mesh) {
+  const auto valid = [&](std::int32_t n) { return n >= 0 && static_cast<std::size_t>(n) < mesh.nodes_mm.size(); };
+  std::int64_t invalid = 0;
+  for (const auto& cell : mesh.cells) invalid += !std::all_of(cell.begin(), cell.end(), valid);
+  for (const auto& face : mesh.faces) invalid += !std::all_of(face.begin(), face.end(), valid);
+  const auto difference = [](std::size_t a, std::size_t b) {
+    return static_cast<std::int64_t>(std::max(a, b) - std::min(a, b));
+  };
+  return invalid + difference(mesh.region.size(), mesh.cells.size()) +
+         difference(mesh.surface.size(), mesh.faces.size());
+}
+
+std::vector<FaceQuality> face_qualities(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
+  const auto node = [&](std::int32_t n) { return mesh.nodes_mm[static_cast<std::size_t>(n)]; };
+  const auto center = [&](std::int32_t cell) {
+    const auto& n = mesh.cells[static_cast<std::size_t>(cell)];
+    return (node(n[0]) + node(n[1]) + node(n[2]) + node(n[3])) / 4;
+  };
+  std::vector<FaceQuality> result(faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& face = faces[f];
+    if (face.other < 0) continue;
+    result[f] = face_quality({node(face.nodes[0]), node(face.nodes[1]), node(face.nodes[2])}, center(face.cell),
+                             center(face.other));
+  }
+  return result;
+}
+
+double percentile(std::vector<double>& values, double share) {
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+/// Extremes and means over some cells.
+struct CellSummary {
+  std::int64_t cells = 0, inverted = 0;
+  double volume = 0, least_volume = std::numeric_limits<double>::max();
+  double min_dihedral = 180, max_dihedral = 0;
+  double min_radius_ratio = 1, radius_ratio = 0, min_scaled_jacobian = 1, scaled_jacobian = 0;
+  double shortest = std::numeric_limits<double>::max(), longest = 0, edges = 0;
+
+  void take(const CellQuality& q) {
+    ++cells;
+    inverted += !(q.volume_mm3 > 0);
+    volume += q.volume_mm3;
+    least_volume = std::min(least_volume, q.volume_mm3);
+    min_dihedral = std::min(min_dihedral, q.min_dihedral_deg);
+    max_dihedral = std::max(max_dihedral, q.max_dihedral_deg);
+    min_radius_ratio = std::min(min_radius_ratio, q.radius_ratio);
+    radius_ratio += q.radius_ratio;
+    min_scaled_jacobian = std::min(min_scaled_jacobian, q.scaled_jacobian);
+    scaled_jacobian += q.scaled_jacobian;
+    shortest = std::min(shortest, q.shortest_mm);
+    longest = std::max(longest, q.longest_mm);
+    edges += q.edge_sum_mm / 6;
+  }
+};
+
+void add_shape_rows(const Rows& rows, const CellSummary& s) {
+  const auto n = static_cast<double>(s.cells);
+  rows.add("volume", s.volume / 1000, "ml");
+  rows.add("cell_volume_min", s.least_volume, "mm3");
+  rows.add("radius_ratio_min", s.min_radius_ratio, "1");
+  rows.add("radius_ratio_mean", s.radius_ratio / n, "1");
+  rows.add("scaled_jacobian_min", s.min_scaled_jacobian, "1");
+  rows.add("scaled_jacobian_mean", s.scaled_jacobian / n, "1");
+  rows.add("edge_min", s.shortest, "mm");
+  rows.add("edge_mean", s.edges / n, "mm");
+  rows.add("edge_max", s.longest, "mm");
+}
+
+void add_angle_rows(const Rows& rows, const CellSummary& s, const ValidationSettings& settings) {
+  rows.at_least("dihedral_min", s.min_dihedral, "deg", settings.minimum_dihedral_deg);
+  rows.at_most("dihedral_max", s.max_dihedral, "deg", settings.maximum_dihedral_deg);
+}
+
+void add_percentiles(const Rows& rows, const Facts& facts) {
+  std::vector<double> angles;
+  angles.reserve(6 * facts.cells.size());
+  for (const auto& q : facts.cells) angles.insert(angles.end(), q.dihedral_deg.begin(), q.dihedral_deg.end());
+  for (const auto& [metric, share] : {std::pair{"dihedral_p1", 0.01},
+                                      {"dihedral_p5", 0.05},
+                                      {"dihedral_p50", 0.5},
+                                      {"dihedral_p95", 0.95},
+                                      {"dihedral_p99", 0.99}})
+    rows.add(metric, percentile(angles, share), "deg");
+}
+
+/// Non-orthogonality and skewness of the inner faces that `accept` takes.
+void add_finite_volume_rows(const Rows& rows, const Facts& facts, const auto& accept) {
+  double angle = 0, max_angle = 0, skewness = 0, max_skewness = 0, count = 0;
+  for (std::size_t f = 0; f < facts.faces.size(); ++f) {
+    if (facts.faces[f].other < 0 || !accept(f)) continue;
+    const auto& q = facts.face_quality[f];
+    angle += q.non_orthogonality_deg;
+    max_angle = std::max(max_angle, q.non_orthogonality_deg);
+    skewness += q.skewness;
+    max_skewness = std::max(max_skewness, q.skewness);
+    ++count;
+  }
+  if (count == 0) return;
+  rows.add("non_orthogonality_mean", angle / count, "deg");
+  rows.add("non_orthogonality_max", max_angle, "deg");
+  rows.add("skewness_mean", skewness / count, "1");
+  rows.add("skewness_max", max_skewness, "1");
+}
+
+void add_validity(const Rows& rows, const Facts& facts, std::int64_t inverted) {
+  const auto& mesh = *facts.mesh;
+  rows.zero("inverted_cells", inverted);
+  rows.zero("orphan_nodes", orphan_nodes(mesh));
+  rows.zero("duplicate_nodes", duplicate_nodes(mesh));
+  rows.zero("duplicate_cells", duplicate_cells(mesh));
+  std::vector<Face> boundary;
+  std::int64_t crowded = 0;
+  for (const auto& face : facts.faces) {
+    if (face.other < 0) boundary.push_back(face.nodes);
+    crowded += face.cells > 2;
+  }
+  rows.zero("faces_of_more_than_two_cells", crowded);
+  const auto topology = surface_topology(boundary);
+  rows.zero("boundary_open_edges", topology.open_edges);
+  rows.zero("boundary_non_manifold_edges", topology.non_manifold_edges);
+  rows.zero("boundary_non_manifold_vertices", topology.non_manifold_vertices);
+  rows.count("boundary_euler_characteristic", topology.euler_characteristic);
+  const auto labels = check_face_labels(mesh, facts.faces);
+  rows.zero("boundary_faces_missing", labels.missing_boundary_faces);
+  rows.zero("interface_faces_missing", labels.missing_interface_faces);
+  rows.zero("faces_repeated", labels.repeated_faces);
+  rows.zero("faces_without_cells", labels.faces_without_cells);
+  rows.zero("faces_inside_regions", labels.faces_inside_regions);
+  rows.zero("faces_unlabelled", labels.unlabelled_faces);
+}
+
+void add_region(const Rows& rows, const Facts& facts, std::int32_t region, const ValidationSettings& settings) {
+  const auto& mesh = *facts.mesh;
+  const auto is_here = [&](std::int32_t cell) {
+    return cell >= 0 && mesh.region[static_cast<std::size_t>(cell)] == region;
+  };
+  CellSummary summary;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (mesh.region[c] == region) summary.take(facts.cells[c]);
+  rows.count("cells", summary.cells);
+  rows.count("components", component_count(mesh, facts.faces, region));
+  std::vector<Face> boundary;
+  for (const auto& face : facts.faces)
+    if (is_here(face.cell) != is_here(face.other)) boundary.push_back(face.nodes);
+  const auto topology = surface_topology(boundary);
+  rows.zero("boundary_open_edges", topology.open_edges);
+  rows.count("boundary_non_manifold_edges", topology.non_manifold_edges);
+  rows.count("boundary_non_manifold_vertices", topology.non_manifold_vertices);
+  rows.count("boundary_euler_characteristic", topology.euler_characteristic);
+  add_shape_rows(rows, summary);
+  add_angle_rows(rows, summary, settings);
+  add_finite_volume_rows(rows, facts,
+                         [&](std::size_t f) { return is_here(facts.faces[f].cell) && is_here(facts.faces[f].other); });
+}
+
+// A bad cell behind a good mean hides best on a surface: cells with a face there, on either side.
+void add_surface(const Rows& rows, const Facts& facts, const std::vector<std::size_t>& surface_faces,
+                 const ValidationSettings& settings) {
+  const auto& mesh = *facts.mesh;
+  CellSummary summary;
+  double area = 0;
+  for (const auto f : surface_faces) {
+    const auto& face = facts.faces[f];
+    summary.take(facts.cells[static_cast<std::size_t>(face.cell)]);
+    if (face.other >= 0) summary.take(facts.cells[static_cast<std::size_t>(face.other)]);
+    const auto node = [&](std::size_t i) { return mesh.nodes_mm[static_cast<std::size_t>(face.nodes[i])]; };
+    area += norm(cross(node(1) - node(0), node(2) - node(0))) / 2;
+  }
+  rows.count("faces", static_cast<std::int64_t>(surface_faces.size()));
+  rows.add("area", area / 100, "cm2");
+  rows.add("scaled_jacobian_min", summary.min_scaled_jacobian, "1");
+  add_angle_rows(rows, summary, settings);
+  std::vector<bool> chosen(facts.faces.size(), false);
+  for (const auto f : surface_faces) chosen[f] = true;
+  add_finite_volume_rows(rows, facts, [&](std::size_t f) { return chosen[f]; });
+}
+
+// Ids in `facts.faces` of the listed faces, per surface tag.
+std::vector<std::pair<std::int32_t, std::vector<std::size_t>>> faces_by_surface(const Facts& facts) {
+  const auto& mesh = *facts.mesh;
+  std::vector<std::pair<std::int32_t, std::size_t>> labelled;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    Face nodes = mesh.faces[f];
+    std::sort(nodes.begin(), nodes.end());
+    const auto place = std::lower_bound(facts.faces.begin(), facts.faces.end(), nodes,
+                                        [](const MeshFace& a, const Face& b) { return a.nodes < b; });
+    if (place != facts.faces.end() && place->nodes == nodes)
+      labelled.emplace_back(mesh.surface[f], static_cast<std::size_t>(place - facts.faces.begin()));
+  }
+  std::sort(labelled.begin(), labelled.end());
+  std::vector<std::pair<std::int32_t, std::vector<std::size_t>>> result;
+  for (const auto& [surface, face] : labelled) {
+    if (result.empty() || result.back().first != surface) result.push_back({surface, {}});
+    result.back().second.push_back(face);
+  }
+  return result;
+}
+
+}  // namespace
+
+Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const ValidationSettings& settings) {
+  Report report;
+  const Rows rows{&report, mesh_name};
+  rows.count("nodes", static_cast<std::int64_t>(mesh.nodes_mm.size()));
+  rows.at_least("cells", static_cast<double>(mesh.cells.size()), "count", 1);
+  rows.count("faces", static_cast<std::int64_t>(mesh.faces.size()));
+  const auto invalid = invalid_ids(mesh);
+  rows.zero("invalid_ids", invalid);
+  if (invalid != 0 || mesh.cells.empty()) return report;
+
+  Facts facts{&mesh, cell_qualities(mesh), mesh_faces(mesh), {}};
+  facts.face_quality = face_qualities(mesh, facts.faces);
+  CellSummary all;
+  for (const auto& q : facts.cells) all.take(q);
+  add_validity(rows, facts, all.inverted);
+  rows.count("components", component_count(mesh, facts.faces, 0));
+  add_shape_rows(rows, all);
+  add_angle_rows(rows, all, settings);
+  add_percentiles(rows, facts);
+  add_finite_volume_rows(rows, facts, [](std::size_t) { return true; });
+  for (const auto region : std::set<std::int32_t>(mesh.region.begin(), mesh.region.end()))
+    add_region({&report, mesh_name + "/" + region_name(region)}, facts, region, settings);
+  for (const auto& [surface, faces] : faces_by_surface(facts))
+    add_surface({&report, mesh_name + "/" + surface_name(surface)}, facts, faces, settings);
+  return report;
+}
+
+}  // namespace heart::validation

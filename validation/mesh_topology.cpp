@@ -1,0 +1,189 @@
+#include "validation/mesh_topology.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace heart::validation {
+namespace {
+
+using Edge = std::pair<std::int32_t, std::int32_t>;
+
+Face ascending(Face face) {
+  std::sort(face.begin(), face.end());
+  return face;
+}
+
+std::vector<Edge> edges_of(const std::vector<Face>& faces) {
+  std::vector<Edge> edges;
+  edges.reserve(3 * faces.size());
+  for (const auto& f : faces)
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(std::minmax(f[i], f[(i + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+// Whether the triangles around a vertex hang together through edges at it. `spokes` are the other two nodes of each.
+bool one_fan(const std::vector<Edge>& spokes) {
+  std::vector<bool> reached(spokes.size(), false);
+  std::vector<std::size_t> front{0};
+  reached[0] = true;
+  std::size_t count = 1;
+  while (!front.empty()) {
+    const Edge at = spokes[front.back()];
+    front.pop_back();
+    for (std::size_t i = 0; i < spokes.size(); ++i) {
+      const bool shares = spokes[i].first == at.first || spokes[i].first == at.second || spokes[i].second == at.first ||
+                          spokes[i].second == at.second;
+      if (reached[i] || !shares) continue;
+      reached[i] = true;
+      ++count;
+      front.push_back(i);
+    }
+  }
+  return count == spokes.size();
+}
+
+std::int64_t count_vertices_of_several_fans(const std::vector<Face>& faces, std::int64_t& vertices) {
+  std::vector<std::pair<std::int32_t, Edge>> corners;
+  corners.reserve(3 * faces.size());
+  for (const auto& f : faces)
+    for (std::size_t i = 0; i < 3; ++i) corners.push_back({f[i], {f[(i + 1) % 3], f[(i + 2) % 3]}});
+  std::sort(corners.begin(), corners.end());
+  std::int64_t bad = 0;
+  vertices = 0;
+  std::vector<Edge> spokes;
+  for (std::size_t c = 0; c < corners.size();) {
+    spokes.clear();
+    const auto vertex = corners[c].first;
+    for (; c < corners.size() && corners[c].first == vertex; ++c) spokes.push_back(corners[c].second);
+    bad += !one_fan(spokes);
+    ++vertices;
+  }
+  return bad;
+}
+
+template <class T>
+std::int64_t count_repeats(std::vector<T> values) {
+  std::sort(values.begin(), values.end());
+  const auto end = std::unique(values.begin(), values.end());
+  return values.end() - end;
+}
+
+}  // namespace
+
+std::vector<MeshFace> mesh_faces(const TetMesh& mesh) {
+  std::vector<std::pair<Face, std::int32_t>> halves;
+  halves.reserve(4 * mesh.cells.size());
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const auto& n = mesh.cells[c];
+    for (const Face& face : {Face{n[1], n[2], n[3]}, {n[0], n[2], n[3]}, {n[0], n[1], n[3]}, {n[0], n[1], n[2]}})
+      halves.emplace_back(ascending(face), static_cast<std::int32_t>(c));
+  }
+  std::sort(halves.begin(), halves.end());
+  std::vector<MeshFace> faces;
+  faces.reserve(halves.size() / 2 + 1);
+  for (const auto& [nodes, cell] : halves) {
+    if (faces.empty() || faces.back().nodes != nodes) {
+      faces.push_back({nodes, cell, -1, 1});
+    } else {
+      faces.back().other = cell;
+      ++faces.back().cells;
+    }
+  }
+  return faces;
+}
+
+SurfaceTopology surface_topology(const std::vector<Face>& faces) {
+  SurfaceTopology topology;
+  const auto edges = edges_of(faces);
+  std::int64_t edge_count = 0;
+  for (std::size_t e = 0; e < edges.size(); ++edge_count) {
+    std::size_t end = e;
+    while (end < edges.size() && edges[end] == edges[e]) ++end;
+    topology.open_edges += (end - e) % 2 == 1;
+    topology.non_manifold_edges += end - e > 2;
+    e = end;
+  }
+  std::int64_t vertices = 0;
+  topology.non_manifold_vertices = count_vertices_of_several_fans(faces, vertices);
+  topology.euler_characteristic = vertices - edge_count + static_cast<std::int64_t>(faces.size());
+  return topology;
+}
+
+std::int64_t component_count(const TetMesh& mesh, const std::vector<MeshFace>& faces, std::int32_t region) {
+  std::vector<std::int32_t> parent(mesh.cells.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](std::int32_t cell) {
+    while (parent[static_cast<std::size_t>(cell)] != cell) {
+      auto& up = parent[static_cast<std::size_t>(cell)];
+      up = parent[static_cast<std::size_t>(up)];
+      cell = up;
+    }
+    return cell;
+  };
+  const auto counts = [&](std::int32_t cell) {
+    return cell >= 0 && (region == 0 || mesh.region[static_cast<std::size_t>(cell)] == region);
+  };
+  std::int64_t components = 0;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) components += counts(static_cast<std::int32_t>(c));
+  for (const auto& face : faces) {
+    if (!counts(face.cell) || !counts(face.other)) continue;
+    const auto a = root(face.cell), b = root(face.other);
+    if (a == b) continue;
+    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    --components;
+  }
+  return components;
+}
+
+std::int64_t orphan_nodes(const TetMesh& mesh) {
+  std::vector<bool> used(mesh.nodes_mm.size(), false);
+  for (const auto& cell : mesh.cells)
+    for (const auto n : cell) used[static_cast<std::size_t>(n)] = true;
+  return std::count(used.begin(), used.end(), false);
+}
+
+std::int64_t duplicate_nodes(const TetMesh& mesh) {
+  std::vector<std::array<double, 3>> places;
+  places.reserve(mesh.nodes_mm.size());
+  for (const auto& p : mesh.nodes_mm) places.push_back({p.x, p.y, p.z});
+  return count_repeats(std::move(places));
+}
+
+std::int64_t duplicate_cells(const TetMesh& mesh) {
+  auto cells = mesh.cells;
+  for (auto& cell : cells) std::sort(cell.begin(), cell.end());
+  return count_repeats(std::move(cells));
+}
+
+FaceLabels check_face_labels(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
+  FaceLabels result;
+  std::vector<Face> listed;
+  listed.reserve(mesh.faces.size());
+  for (const auto& face : mesh.faces) listed.push_back(ascending(face));
+  std::sort(listed.begin(), listed.end());
+  const auto end = std::unique(listed.begin(), listed.end());
+  result.repeated_faces = listed.end() - end;
+  listed.erase(end, listed.end());
+  for (const auto surface : mesh.surface) result.unlabelled_faces += surface == 0;
+
+  auto next = listed.begin();
+  for (const auto& face : faces) {
+    while (next != listed.end() && *next < face.nodes) ++next, ++result.faces_without_cells;
+    const bool is_listed = next != listed.end() && *next == face.nodes;
+    if (is_listed) ++next;
+    const bool outer = face.other < 0;
+    const bool interface =
+        !outer && mesh.region[static_cast<std::size_t>(face.cell)] != mesh.region[static_cast<std::size_t>(face.other)];
+    result.missing_boundary_faces += outer && !is_listed;
+    result.missing_interface_faces += interface && !is_listed;
+    result.faces_inside_regions += is_listed && !outer && !interface;
+  }
+  result.faces_without_cells += listed.end() - next;
+  return result;
+}
+
+}  // namespace heart::validation

@@ -1,0 +1,51 @@
+// Faces, boundaries and components of a tetrahedral mesh, recomputed from its cells.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "model/tet_mesh.hpp"
+
+namespace heart::validation {
+
+/// A face with the cells that have it: `other` is -1 on the boundary. More than two cells is a defect (`cells` > 2).
+struct MeshFace {
+  Face nodes;  ///< ascending
+  std::int32_t cell = -1;
+  std::int32_t other = -1;
+  std::int32_t cells = 1;
+};
+
+/// Every face of the cells once, ascending.
+std::vector<MeshFace> mesh_faces(const TetMesh& mesh);
+
+/// What a closed surface of triangles looks like.
+struct SurfaceTopology {
+  std::int64_t open_edges = 0;             ///< edges of an odd number of faces: the surface has holes
+  std::int64_t non_manifold_edges = 0;     ///< edges of four or more faces
+  std::int64_t non_manifold_vertices = 0;  ///< where several sheets touch in a vertex only
+  std::int64_t euler_characteristic = 0;   ///< vertices - edges + faces: 2 for a sphere, 0 for a torus
+};
+
+SurfaceTopology surface_topology(const std::vector<Face>& faces);
+
+/// Number of sets of cells of `region` (0: of any region) that hang together through faces.
+std::int64_t component_count(const TetMesh& mesh, const std::vector<MeshFace>& faces, std::int32_t region);
+
+std::int64_t orphan_nodes(const TetMesh& mesh);     ///< nodes of no cell
+std::int64_t duplicate_nodes(const TetMesh& mesh);  ///< nodes at exactly the place of another
+std::int64_t duplicate_cells(const TetMesh& mesh);  ///< cells with exactly the nodes of another
+
+/// How the listed, labelled faces agree with those that the cells imply.
+struct FaceLabels {
+  std::int64_t missing_boundary_faces = 0;   ///< outer faces of the cells that are not listed
+  std::int64_t missing_interface_faces = 0;  ///< faces between regions that are not listed
+  std::int64_t repeated_faces = 0;           ///< listed more than once
+  std::int64_t faces_without_cells = 0;      ///< listed, but no face of any cell
+  std::int64_t faces_inside_regions = 0;     ///< listed, but the same region is on both sides
+  std::int64_t unlabelled_faces = 0;         ///< listed with surface 0
+};
+
+FaceLabels check_face_labels(const TetMesh& mesh, const std::vector<MeshFace>& faces);
+
+}  // namespace heart::validation

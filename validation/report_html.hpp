@@ -1,0 +1,35 @@
+// The report of a bundle as one HTML file that needs nothing else: pictures, charts, a 3D view to turn and cut, and
+// every row of the certificate. The same input gives the same bytes: no times, no paths, no network.
+#pragma once
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/report.hpp"
+#include "model/tet_mesh.hpp"
+#include "model/volume.hpp"
+
+namespace heart::validation {
+
+struct ReportInput {
+  std::string name;
+  std::string version;
+  const CtVolume* ct = nullptr;                            ///< null when re-made from a bundle
+  const LabelVolume* labels = nullptr;                     ///< null: no slices
+  const std::map<std::string, TetMesh>* meshes = nullptr;  ///< "myocardium", "torso", ...; null: none
+  const Report* report = nullptr;                          ///< the certificate; null: none
+
+  std::string atlas_name;
+  bool atlas_is_standin = false;                            ///< the built-in synthetic atlas: said plainly at the top
+  bool image_is_synthetic = false;                          ///< the phantom
+  std::vector<std::pair<std::string, std::string>> inputs;  ///< file name, SHA-256
+  std::vector<std::pair<std::string, std::string>> tools;   ///< library, version
+  int picture_width_px = 620;        ///< of the larger pictures; the file's size follows its square
+  std::vector<std::string> remarks;  ///< what the user should know: what is missing, assumed, cut by the field of view
+};
+
+/// UTF-8 text of the HTML file.
+std::string make_report(const ReportInput& input);
+
+}  // namespace heart::validation

@@ -1,0 +1,160 @@
+#include "generator/landmarks/anatomy_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "generator/landmarks/statistics.hpp"
+
+namespace heart::landmarks {
+namespace {
+
+// What a contradiction leaves of the confidence: a size out of range may be a rare heart, a wrong order of the
+// chambers means that something was taken for something else.
+constexpr double minor = 0.85, severe = 0.5;
+
+struct Report {
+  FoundLandmarks& found;
+
+  void warn(double keeps, std::string sentence) {
+    found.confidence *= keeps;
+    found.warnings.push_back(std::move(sentence));
+  }
+};
+
+struct Range {
+  const char* name;
+  double low, high;
+};
+
+// Adults, any phase of the beat, dilated hearts included; vessels as far as they lie near the heart.
+constexpr Range volume_ranges_ml[] = {{"lv_blood", 40, 300}, {"la_blood", 25, 250}, {"rv_blood", 40, 350},
+                                      {"ra_blood", 30, 350}, {"aorta", 30, 400},    {"pulmonary_artery", 12, 200}};
+constexpr Range diameter_ranges_mm[] = {
+    {"mitral", 18, 48}, {"aortic", 12, 35}, {"tricuspid", 20, 52}, {"pulmonary", 14, 38}};
+
+bool has_right_heart(const Findings& findings) { return findings.volumes_ml.at("rv_blood") > 0; }
+
+bool is_of_right_heart(const std::string& name) {
+  return name == "rv_blood" || name == "ra_blood" || name == "pulmonary_artery" || name == "tricuspid" ||
+         name == "pulmonary";
+}
+
+void check_volumes(const Findings& findings, Report& report) {
+  constexpr double half_missing = 0.2;
+  if (!has_right_heart(findings))
+    report.warn(half_missing,
+                "the right heart is not clearly brighter than muscle: give the seeds rv_blood, ra_blood and "
+                "pulmonary_artery and the tricuspid and pulmonary valve planes by hand");
+  for (const Range& range : volume_ranges_ml) {
+    if (!has_right_heart(findings) && is_of_right_heart(range.name)) continue;
+    const auto at = findings.volumes_ml.find(range.name);
+    if (at == findings.volumes_ml.end() || at->second == 0)
+      report.warn(severe, fmt::format("{} was not found: give its seed by hand", range.name));
+    else if (at->second < range.low || at->second > range.high)
+      report.warn(minor, fmt::format("{} holds {:.0f} ml, expected {:.0f} to {:.0f}", range.name, at->second, range.low,
+                                     range.high));
+  }
+}
+
+void check_valve_shapes(const Findings& findings, Report& report) {
+  constexpr double most_uneven_mm = 3.5, least_share = 0.8;
+  for (const Range& range : diameter_ranges_mm) {
+    if (!has_right_heart(findings) && is_of_right_heart(range.name)) continue;
+    const auto at = findings.valves.find(range.name);
+    if (at == findings.valves.end()) {
+      report.warn(severe, fmt::format("the {} valve was not found: give its plane by hand", range.name));
+      continue;
+    }
+    const ValvePatch& valve = at->second;
+    if (valve.diameter_mm < range.low || valve.diameter_mm > range.high)
+      report.warn(minor, fmt::format("the {} valve is {:.0f} mm wide, expected {:.0f} to {:.0f}", range.name,
+                                     valve.diameter_mm, range.low, range.high));
+    if (valve.uneven_mm > most_uneven_mm)
+      report.warn(minor,
+                  fmt::format("the {} valve is not flat ({:.1f} mm off its plane)", range.name, valve.uneven_mm));
+    if (valve.share < least_share) report.warn(minor, fmt::format("the {} valve is in pieces", range.name));
+  }
+}
+
+void check_angles(const Findings& findings, Report& report) {
+  constexpr double mitral_limit_deg = 40, tricuspid_limit_deg = 55, spread_limit_deg = 20;
+  const auto off_axis = [&](const char* name) {
+    const auto at = findings.valves.find(name);
+    return at == findings.valves.end() ? 0 : angle_deg(at->second.normal, -findings.axis.direction);
+  };
+  if (off_axis("mitral") > mitral_limit_deg)
+    report.warn(minor, fmt::format("the mitral valve is tilted by {:.0f} degrees", off_axis("mitral")));
+  if (off_axis("tricuspid") > tricuspid_limit_deg)
+    report.warn(minor, fmt::format("the tricuspid valve is tilted by {:.0f} degrees", off_axis("tricuspid")));
+  if (findings.axis.spread_deg > spread_limit_deg)
+    report.warn(minor,
+                fmt::format("two estimates of the long axis differ by {:.0f} degrees", findings.axis.spread_deg));
+}
+
+/// Centres of the chambers that were found.
+std::map<std::string, Vec3> centres_of(const LabelVolume& chambers) {
+  std::map<std::string, std::pair<Vec3, double>> sums;
+  std::vector<std::pair<Vec3, double>> by_tag(256);
+  for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+    auto& sum = by_tag[chambers.voxels[v]];
+    sum.first += p;
+    sum.second += 1;
+  });
+  std::map<std::string, Vec3> centres;
+  for (std::size_t t = 1; t < by_tag.size(); ++t)
+    if (by_tag[t].second > 0) centres[region_name(static_cast<int>(t))] = by_tag[t].first / by_tag[t].second;
+  return centres;
+}
+
+/// The order of the chambers in the body. A mirrored image fails here.
+void check_order(const Findings& findings, Report& report) {
+  if (findings.left_of_spine_mm < 0)
+    report.warn(minor, fmt::format("the heart lies {:.0f} mm right of the spine: is the image mirrored?",
+                                   -findings.left_of_spine_mm));
+  const auto centres = centres_of(findings.chambers);
+  const auto both = [&](const char* a, const char* b) { return centres.contains(a) && centres.contains(b); };
+  const char* mirrored = "; is the image mirrored, or are chambers exchanged?";
+  if (both("lv_blood", "rv_blood") && centres.at("rv_blood").x > centres.at("lv_blood").x)
+    report.warn(severe, fmt::format("the right ventricle lies left of the left one{}", mirrored));
+  if (both("la_blood", "rv_blood") && centres.at("la_blood").y < centres.at("rv_blood").y)
+    report.warn(severe, fmt::format("the left atrium lies in front of the right ventricle{}", mirrored));
+  if (both("la_blood", "ra_blood") && centres.at("ra_blood").x > centres.at("la_blood").x)
+    report.warn(severe, fmt::format("the right atrium lies left of the left one{}", mirrored));
+}
+
+void check_valve_places(const Findings& findings, Report& report) {
+  const auto& valves = findings.valves;
+  const auto both = [&](const char* a, const char* b) { return valves.contains(a) && valves.contains(b); };
+  const auto height = [&](const char* name) { return valves.at(name).centre_mm.z; };
+  const auto apart = [&](const char* a, const char* b) {
+    return norm(valves.at(a).centre_mm - valves.at(b).centre_mm);
+  };
+  constexpr double height_slack_mm = 3;
+  if (both("pulmonary", "aortic") && height("pulmonary") < height("aortic") - height_slack_mm)
+    report.warn(severe, "the pulmonary valve lies below the aortic one: is the image mirrored?");
+  if (both("tricuspid", "pulmonary") && height("tricuspid") > height("pulmonary"))
+    report.warn(severe, "the tricuspid valve lies above the pulmonary one: is the image upside down?");
+  if (both("mitral", "tricuspid") && (apart("mitral", "tricuspid") < 20 || apart("mitral", "tricuspid") > 75))
+    report.warn(minor, fmt::format("mitral and tricuspid valve are {:.0f} mm apart", apart("mitral", "tricuspid")));
+  if (both("mitral", "aortic") && (apart("mitral", "aortic") < 10 || apart("mitral", "aortic") > 40))
+    report.warn(minor, fmt::format("mitral and aortic valve are {:.0f} mm apart", apart("mitral", "aortic")));
+}
+
+}  // namespace
+
+void check_anatomy(const Findings& findings, FoundLandmarks& found) {
+  constexpr double sure = 0.4;  // the second best left ventricle scores at most 60 % of the best
+  found.confidence = 1;
+  Report report{found};
+  if (findings.ventricle_certainty < sure)
+    report.warn(severe, fmt::format("another pool looks like a left ventricle too (certainty {:.2f})",
+                                    findings.ventricle_certainty));
+  check_volumes(findings, report);
+  check_valve_shapes(findings, report);
+  check_angles(findings, report);
+  check_order(findings, report);
+  check_valve_places(findings, report);
+}
+
+}  // namespace heart::landmarks

@@ -1,0 +1,21 @@
+// Private to this folder: does what was found look like the heart of an adult?
+#pragma once
+#include "generator/landmarks/landmarks.hpp"
+#include "generator/landmarks/long_axis.hpp"
+#include "generator/landmarks/valves.hpp"
+
+namespace heart::landmarks {
+
+struct Findings {
+  const LabelVolume& chambers;
+  const std::map<std::string, ValvePatch>& valves;
+  const LongAxis& axis;
+  const std::map<std::string, double>& volumes_ml;
+  double ventricle_certainty = 0;
+  double left_of_spine_mm = 0;  ///< middle of the heart's blood
+};
+
+/// Fills warnings and confidence.
+void check_anatomy(const Findings& findings, FoundLandmarks& found);
+
+}  // namespace heart::landmarks

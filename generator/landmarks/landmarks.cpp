@@ -1,0 +1,149 @@
+#include "generator/landmarks/landmarks.hpp"
+
+#include <algorithm>
+
+#include "generator/landmarks/anatomy_check.hpp"
+#include "generator/landmarks/assign.hpp"
+#include "generator/landmarks/blood.hpp"
+#include "generator/landmarks/right_heart.hpp"
+#include "generator/landmarks/search.hpp"
+#include "generator/landmarks/trachea.hpp"
+#include "generator/landmarks/valves.hpp"
+#include "model/error.hpp"
+
+namespace heart::landmarks {
+namespace {
+
+constexpr std::int64_t coarse_step = 2;  // 3 mm for lungs and spine
+
+/// The coarse mask on the fine grid that it was thinned from.
+Mask refined(const Mask& coarse, const Grid& fine) {
+  Mask result(fine);
+  for (std::int64_t k = 0; k < fine.size[2]; ++k)
+    for (std::int64_t j = 0; j < fine.size[1]; ++j)
+      for (std::int64_t i = 0; i < fine.size[0]; ++i)
+        result(i, j, k) = coarse(i / coarse_step, j / coarse_step, k / coarse_step);
+  return result;
+}
+
+/// The part of the image that matters, and what is known about it.
+struct Scene {
+  WorkingImage image;
+  Mask region;  ///< where heart blood may be
+  Spine spine;
+  Contrast contrast;
+};
+
+Scene set_scene(const WorkingImage& whole, const Thorax& thorax, double bright_hu) {
+  const Mask chest = refined(thorax.chest, whole.hu.grid);
+  const auto box = segment::bounding_box(chest, 0, [](std::uint8_t set) { return set != 0; });
+  Scene scene{crop(whole, box), segment::crop(chest, box), thorax.spine, {}};
+  scene.contrast = measure_contrast(scene.image, scene.region, thorax.spine, bright_hu);
+  scene.region = without_spine(scene.region, thorax.spine);
+  return scene;
+}
+
+/// Voxels within a heart's reach and a little more.
+segment::Box box_around_heart(const Grid& grid, const Vec3& centre) {
+  constexpr double margin_mm = 12;  // shells of muscle around the outermost blood
+  segment::Box box;
+  const Index3 middle = nearest_voxel(grid, centre);
+  const auto reach = static_cast<std::int64_t>((heart_reach_mm + margin_mm) / working_spacing_mm);
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.begin[a] = std::max<std::int64_t>(middle[a] - reach, 0);
+    box.end[a] = std::min(middle[a] + reach + 1, grid.size[a]);
+  }
+  return box;
+}
+
+struct Chambers {
+  WorkingImage image;
+  LabelVolume labels;
+  LongAxis axis;
+  double left_of_spine_mm = 0;  ///< middle of the heart's blood
+  double ventricle_certainty = 0;
+  bool streaks = false;  ///< in the right heart
+};
+
+/// One attempt with one local threshold; nothing where the left ventricle has no two neighbours.
+std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
+  const Mask all_blood = local_blood(scene.image, scene.contrast, fraction);
+  const Vec3 centre = heart_centre(all_blood, scene.region);
+  const auto box = box_around_heart(scene.region.grid, centre);
+  Chambers chambers;
+  chambers.image = crop(scene.image, box);
+  const Mask blood = heart_blood(segment::crop(all_blood, box), segment::crop(scene.region, box), centre);
+  const auto basins = divide_at_constrictions(blood);
+  const auto pools = measure_pools(chambers.image, basins, scene.contrast, scene.spine, centre);
+  const auto left = find_left_heart(basins, pools, scene.spine);
+  if (!left) return std::nullopt;
+  const auto right = find_right_heart(basins, pools, *left);
+  chambers.labels = label_map(basins, assign_basins(basins, pools, *left, right));
+  chambers.axis = find_long_axis(chambers.labels, chambers.image.smooth);
+  chambers.left_of_spine_mm = centre.x - scene.spine.at(centre.z).x;
+  chambers.ventricle_certainty = left->certainty;
+  chambers.streaks = split_right_heart(chambers.labels, chambers.image.smooth, chambers.axis);
+  keep_main_pieces(chambers.labels);
+  return chambers;
+}
+
+Chambers find_chambers(const Scene& scene) {
+  // The middle value separates most hearts; thin walls need a higher and weak contrast a lower one.
+  for (const double fraction : {0.55, 0.45, 0.35})
+    if (auto chambers = find_chambers(scene, fraction)) return std::move(*chambers);
+  throw UserError("the left ventricle was found, but not both the left atrium and the aorta next to it", "landmarks",
+                  "check that the image is not mirrored, or give the seeds and valve planes by hand");
+}
+
+constexpr Region pool_regions[] = {Region::lv_blood, Region::rv_blood, Region::la_blood,
+                                   Region::ra_blood, Region::aorta,    Region::pulmonary_artery};
+
+/// The deepest point and the volume of every pool.
+void add_seeds(const LabelVolume& chambers, FoundLandmarks& found) {
+  for (const Region region : pool_regions) {
+    const Mask pool =
+        mask_where(chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(region); });
+    const auto depth = depth_of(pool);
+    double voxels = 0;
+    float deepest = 0;
+    Vec3 seed;
+    for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+      voxels += pool.voxels[v];
+      if (!pool.voxels[v] || depth.voxels[v] <= deepest) return;
+      deepest = depth.voxels[v];
+      seed = p;
+    });
+    const std::string name = region_name(tag(region));
+    found.volumes_ml[name] = voxels * chambers.grid.voxel_volume_mm3() / 1000;
+    if (voxels > 0) found.landmarks.seeds_mm[name] = seed;
+  }
+}
+
+}  // namespace
+
+SearchResult search(const CtVolume& ct) {
+  const WorkingImage whole = make_working_image(ct);
+  const auto coarse = thinned(whole.smooth, coarse_step);
+  const Thorax thorax = find_thorax(coarse);
+  Chambers chambers = find_chambers(set_scene(whole, thorax, bright_threshold(coarse)));
+  SearchResult result;
+  FoundLandmarks& found = result.found;
+  if (const auto trachea = find_trachea(whole.hu, thorax.spine)) found.landmarks.seeds_mm["trachea"] = *trachea;
+  const auto valves = find_valves(chambers.labels, chambers.image.smooth, chambers.streaks);
+  keep_main_pieces(chambers.labels);
+  add_seeds(chambers.labels, found);
+  constexpr double margin_mm = 2;  // voxels of both pools beside the orifice
+  for (const auto& [name, valve] : valves)
+    found.landmarks.valves[name] = {valve.centre_mm, valve.normal, 0.5 * valve.diameter_mm + margin_mm};
+  found.landmarks.lv_apex_mm = chambers.axis.apex_mm;
+  found.long_axis = chambers.axis.direction;
+  check_anatomy({chambers.labels, valves, chambers.axis, found.volumes_ml, chambers.ventricle_certainty,
+                 chambers.left_of_spine_mm},
+                found);
+  result.chambers = chambers.labels;
+  return result;
+}
+
+FoundLandmarks find_landmarks(const CtVolume& ct) { return search(ct).found; }
+
+}  // namespace heart::landmarks

@@ -1,0 +1,20 @@
+// Private to this folder: which basins are the left ventricle, the left atrium and the aorta.
+#pragma once
+#include <optional>
+
+#include "generator/landmarks/pools.hpp"
+
+namespace heart::landmarks {
+
+struct LeftHeart {
+  std::vector<std::int32_t> ventricle;  ///< the main basin first
+  std::int32_t atrium = 0, aorta = 0;
+  std::vector<std::int32_t> descending_aorta;
+  double certainty = 0;  ///< 1 minus the score of the second best ventricle relative to the best
+};
+
+/// The ventricle is the basin in a shell of muscle, left of the spine; atrium and aorta are its two widest
+/// neighbours. Nothing where the ventricle has fewer than two. Throws UserError where no basin has a muscular shell.
+std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine);
+
+}  // namespace heart::landmarks

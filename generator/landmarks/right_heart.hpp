@@ -1,0 +1,15 @@
+// Private to this folder: the right heart's blood divided into ventricle, atrium and pulmonary artery.
+#pragma once
+#include "generator/landmarks/long_axis.hpp"
+
+namespace heart::landmarks {
+
+/// `chambers` holds the whole right heart as rv_blood; on return it holds rv_blood, ra_blood and pulmonary_artery.
+/// Streaks of undiluted contrast are closed first. Markers are placed in the left ventricle's frame,
+/// a flood divides the rest at its constrictions. Returns whether there were streaks.
+bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const LongAxis& axis);
+
+/// Keeps the largest piece of each chamber, and of the aorta every piece of 5 ml and more.
+void keep_main_pieces(LabelVolume& chambers);
+
+}  // namespace heart::landmarks

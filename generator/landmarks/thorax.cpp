@@ -1,0 +1,67 @@
+#include "generator/landmarks/thorax.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "generator/landmarks/convex_slices.hpp"
+#include "generator/landmarks/slices.hpp"
+#include "generator/landmarks/spine.hpp"
+#include "generator/segment/components.hpp"
+#include "generator/segment/morphology.hpp"
+#include "model/error.hpp"
+
+namespace heart::landmarks {
+namespace {
+
+constexpr float lung_limit_hu = -500;      // half-way between lung (-850) and soft tissue
+constexpr float emptiest_lung_hu = -960;   // emphysema stays above; air outside the body lies below
+constexpr double smallest_lung_mm2 = 600;  // per slice: airways and bowel gas are smaller
+constexpr double opening_mm = 3;           // parts bronchi and the gap under the table from the lungs
+constexpr double chest_slice_mm2 = 2500;   // slices with less lung are below or above the heart
+constexpr double chest_margin_mm = 16;     // the heart's front lies outside the hull of the lungs
+
+/// Lung sections of one slice: large, not open to the front of the image, not as empty as the air outside.
+void mark_lung_slice(const Volume<float>& image, std::int64_t k, Mask& lung) {
+  const auto pieces = slice_components(image, k, [](float hu) { return hu < lung_limit_hu; });
+  const double pixel_mm2 = image.grid.spacing_mm.x * image.grid.spacing_mm.y;
+  const auto [nx, ny, nz] = image.grid.size;
+  const std::size_t slice = static_cast<std::size_t>(k * nx * ny);
+  for (std::int32_t label = 1; label < static_cast<std::int32_t>(pieces.voxel_count.size()); ++label) {
+    if (static_cast<double>(pieces.voxel_count[static_cast<std::size_t>(label)]) * pixel_mm2 < smallest_lung_mm2)
+      continue;
+    const auto& labels = pieces.label.voxels;
+    if (std::find(labels.begin(), labels.begin() + nx, label) != labels.begin() + nx) continue;
+    std::vector<float> hu;
+    for (std::size_t p = 0; p < labels.size(); ++p)
+      if (labels[p] == label) hu.push_back(image.voxels[slice + p]);
+    std::nth_element(hu.begin(), hu.begin() + static_cast<std::ptrdiff_t>(hu.size() / 2), hu.end());
+    if (hu[hu.size() / 2] <= emptiest_lung_hu) continue;
+    for (std::size_t p = 0; p < labels.size(); ++p)
+      if (labels[p] == label) lung.voxels[slice + p] = 1;
+  }
+}
+
+/// The two largest components: the lungs, whether or not they touch each other.
+Mask two_largest(const Mask& mask) {
+  const Mask first = segment::largest_component(mask);
+  return segment::unite(first, segment::largest_component(segment::subtract(mask, first)));
+}
+
+}  // namespace
+
+Thorax find_thorax(const Volume<float>& image) {
+  Mask air(image.grid);
+  for (std::int64_t k = 0; k < image.grid.size[2]; ++k) mark_lung_slice(image, k, air);
+  Thorax thorax;
+  thorax.lung = two_largest(segment::open(air, opening_mm));
+  const Mask hull = convex_slices(thorax.lung, chest_slice_mm2);
+  if (segment::count(hull) == 0)
+    throw UserError("no lungs are in the image: the heart cannot be found without them", "landmarks",
+                    "give the seeds lv_blood, rv_blood, la_blood, ra_blood and the valve planes by hand");
+  thorax.chest = segment::dilate(hull, chest_margin_mm);
+  thorax.spine = find_spine(image, thorax.lung);
+  return thorax;
+}
+
+}  // namespace heart::landmarks

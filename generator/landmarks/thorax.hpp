@@ -1,0 +1,27 @@
+// Private to this folder: what surrounds the heart - lungs, the space between them, the spine.
+#pragma once
+#include <vector>
+
+#include "model/volume.hpp"
+
+namespace heart::landmarks {
+
+/// The centre line of the vertebral bodies, one point per slice of a grid along the LPS axes.
+struct Spine {
+  double z0_mm = 0, step_mm = 1;
+  std::vector<double> x_mm, y_mm;
+
+  /// At a height; the ends are continued.
+  Vec3 at(double z_mm) const;
+};
+
+struct Thorax {
+  Mask lung;   ///< air of the two lungs
+  Mask chest;  ///< between and around the lungs: their convex hull per slice, grown
+  Spine spine;
+};
+
+/// `image` is smoothed and coarse (3 mm): nothing here needs detail. Throws UserError where there are no lungs.
+Thorax find_thorax(const Volume<float>& image);
+
+}  // namespace heart::landmarks

@@ -1,0 +1,12 @@
+// Private to this folder: the trachea as a chain of round discs of air.
+#pragma once
+#include <optional>
+
+#include "generator/landmarks/thorax.hpp"
+
+namespace heart::landmarks {
+
+/// A point on the centre line of the trachea; nothing where no chain of discs is long and central enough.
+std::optional<Vec3> find_trachea(const Volume<float>& hu, const Spine& spine);
+
+}  // namespace heart::landmarks

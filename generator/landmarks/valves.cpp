@@ -1,0 +1,106 @@
+#include "generator/landmarks/valves.hpp"
+
+#include "generator/landmarks/divide_at_plane.hpp"
+#include "generator/landmarks/pulmonary_valve.hpp"
+#include "generator/landmarks/sections.hpp"
+#include "generator/landmarks/statistics.hpp"
+#include "generator/landmarks/working_image.hpp"
+
+namespace heart::landmarks {
+namespace {
+
+Volume<float> blood_of(const LabelVolume& chambers, Region a, Region b) {
+  Volume<float> blood(chambers.grid);
+  for (std::size_t v = 0; v < blood.voxels.size(); ++v)
+    blood.voxels[v] = chambers.voxels[v] == tag(a) || chambers.voxels[v] == tag(b);
+  return blood;
+}
+
+/// Direction of the vessel's first centimetres away from the valve: the line through the centres of slices across it.
+Vec3 root_direction(const LabelVolume& chambers, Region vessel, const ValvePatch& valve) {
+  constexpr double near_mm = 12, far_mm = 28, slice_mm = 4, longest_mm = 32, wide_mm = 22;
+  constexpr std::size_t fewest_voxels = 30, fewest_slices = 3;
+  constexpr int rounds = 4, slices = 7;
+  std::vector<Vec3> offsets, first;
+  for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+    if (chambers.voxels[v] != tag(vessel)) return;
+    const Vec3 q = p - valve.centre_mm;
+    if (norm(q) > near_mm && norm(q) < far_mm) first.push_back(q);
+    if (norm(q) < longest_mm + wide_mm) offsets.push_back(q);
+  });
+  if (first.empty()) return valve.normal;
+  Vec3 direction = normalized(mean(first));
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<std::vector<Vec3>> slice(slices);
+    for (const Vec3& q : offsets) {
+      const double along = dot(q, direction);
+      if (along <= slice_mm || along >= longest_mm || norm(q - along * direction) >= wide_mm) continue;
+      slice[static_cast<std::size_t>(along / slice_mm) - 1].push_back(q);
+    }
+    std::vector<Vec3> centres;
+    for (const auto& s : slice)
+      if (s.size() > fewest_voxels) centres.push_back(mean(s));
+    if (centres.size() < fewest_slices) break;
+    const Vec3 line = principal_axes(centres).axis[0];
+    direction = dot(line, direction) < 0 ? -line : line;
+  }
+  return direction;
+}
+
+/// The contact of aorta and ventricle is small and uneven: half of its direction is the vessel's.
+void straighten_aortic(const LabelVolume& chambers, ValvePatch& valve) {
+  valve.normal = normalized(valve.normal + root_direction(chambers, Region::aorta, valve));
+}
+
+/// Moves a valve to the plane of least area nearby, `rounds` times by up to 6 mm: farther at once, a vein or the apex
+/// would be the tightest place.
+void tighten(const LabelVolume& chambers, Region ventricle, Region beyond, int rounds, ValvePatch& valve) {
+  constexpr double reach_mm = 6;
+  const auto blood = blood_of(chambers, ventricle, beyond);
+  for (int round = 0; round < rounds; ++round) {
+    const auto plane = tightest_plane(blood, valve.centre_mm, valve.normal, reach_mm);
+    if (!plane) return;
+    valve.centre_mm = plane->section.centre_mm;
+    valve.normal = plane->normal;
+    valve.diameter_mm = plane->section.diameter_mm();
+  }
+}
+
+/// Divides the pools at the valve's plane and takes the disc from their new contact: a recess beside the orifice that
+/// bulges past the plane belongs to the section, but not to the valve.
+void settle(LabelVolume& chambers, Region ventricle, Region beyond, ValvePatch& valve) {
+  divide_at_plane(chambers, ventricle, beyond, valve.centre_mm, valve.normal);
+  const auto patch = find_valve_patch(chambers, ventricle, beyond);
+  if (!patch) return;
+  const Vec3 normal = valve.normal;
+  valve = *patch;
+  valve.normal = normal;
+}
+
+}  // namespace
+
+std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const Volume<float>& smooth, bool streaks) {
+  using enum Region;
+  std::map<std::string, ValvePatch> valves;
+  const auto add = [&](const std::string& name, Region ventricle, Region beyond) {
+    if (const auto patch = find_valve_patch(chambers, ventricle, beyond)) valves[name] = *patch;
+  };
+  add("mitral", lv_blood, la_blood);
+  add("aortic", lv_blood, aorta);
+  add("tricuspid", rv_blood, ra_blood);
+  add("pulmonary", rv_blood, pulmonary_artery);
+  if (valves.contains("aortic")) straighten_aortic(chambers, valves.at("aortic"));
+  if (valves.contains("mitral")) tighten(chambers, lv_blood, la_blood, 1, valves.at("mitral"));
+  if (valves.contains("tricuspid") && !streaks) {
+    constexpr int rounds = 3;  // the flood parts atrium and ventricle up to 15 mm below the valve
+    tighten(chambers, rv_blood, ra_blood, rounds, valves.at("tricuspid"));
+    settle(chambers, rv_blood, ra_blood, valves.at("tricuspid"));
+  }
+  if (valves.contains("pulmonary")) {
+    valves.at("pulmonary") = find_pulmonary_valve(chambers, smooth, valves.at("pulmonary"));
+    settle(chambers, rv_blood, pulmonary_artery, valves.at("pulmonary"));
+  }
+  return valves;
+}
+
+}  // namespace heart::landmarks

@@ -1,0 +1,198 @@
+// Landmarks against the exact ones of the phantom and, where present, on real scans.
+#include "generator/landmarks/landmarks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "datasets/phantom/phantom.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "generator/landmarks/statistics.hpp"
+#include "generator/parallel/threads.hpp"
+#include "model/error.hpp"
+#include "support/data.hpp"
+
+namespace heart::landmarks {
+namespace {
+
+/// Coarse, so that the test is fast; the search works at 1.5 mm anyway.
+const datasets::Phantom& phantom(int variant) {
+  static std::map<int, datasets::Phantom> made;
+  if (!made.contains(variant)) {
+    datasets::PhantomSettings settings;
+    settings.variant = variant;
+    settings.size = {164, 164, 122};
+    settings.spacing_mm = {2.2, 2.2, 2.5};
+    settings.companions = false;
+    made.emplace(variant, datasets::make_phantom(settings));
+  }
+  return made.at(variant);
+}
+
+/// What the search finds in it, searched once.
+const FoundLandmarks& found_in(int variant) {
+  static std::map<int, FoundLandmarks> found;
+  if (!found.contains(variant)) found.emplace(variant, find_landmarks(phantom(variant).ct));
+  return found.at(variant);
+}
+
+class OnPhantom : public ::testing::TestWithParam<int> {};
+
+TEST_P(OnPhantom, SeedsLieInTheirRegions) {
+  const auto& p = phantom(GetParam());
+  const FoundLandmarks& found = found_in(GetParam());
+  for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "aorta", "pulmonary_artery", "trachea"}) {
+    ASSERT_TRUE(found.landmarks.seeds_mm.contains(name)) << name;
+    EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
+  }
+  EXPECT_GT(found.confidence, 0.7);
+}
+
+TEST_P(OnPhantom, ValvesAxisAndApexAreNearTheTruth) {
+  const auto& p = phantom(GetParam());
+  const FoundLandmarks& found = found_in(GetParam());
+  for (const auto& [name, truth] : p.landmarks.valves) {
+    ASSERT_TRUE(found.landmarks.valves.contains(name)) << name;
+    const ValvePlane& valve = found.landmarks.valves.at(name);
+    EXPECT_LT(norm(valve.center_mm - truth.center_mm), 5) << name;
+    EXPECT_LT(angle_deg(valve.normal, truth.normal), 15) << name;
+    EXPECT_NEAR(norm(valve.normal), 1, 1e-9) << name;
+    EXPECT_GT(valve.radius_mm, 0.95 * truth.radius_mm) << name;
+    EXPECT_LT(valve.radius_mm, 1.5 * truth.radius_mm) << name;
+  }
+  EXPECT_LT(angle_deg(found.long_axis, -datasets::long_axis(p.model)), 3);
+  ASSERT_TRUE(found.landmarks.lv_apex_mm.has_value());
+  EXPECT_LT(norm(*found.landmarks.lv_apex_mm - *p.landmarks.lv_apex_mm), 4);
+}
+
+// 0: bright everywhere; 7: the right heart is much less enhanced (174 HU) than the left one (432 HU).
+INSTANTIATE_TEST_SUITE_P(Variants, OnPhantom, ::testing::Values(0, 7));
+
+bool operator==(const ValvePlane& a, const ValvePlane& b) {
+  return a.center_mm == b.center_mm && a.normal == b.normal && a.radius_mm == b.radius_mm;
+}
+
+TEST(FindLandmarks, GivesTheSameBitsForAnyNumberOfThreads) {
+  const int threads = parallel::thread_count();
+  const auto& usual = found_in(0);
+  parallel::set_thread_count(threads == 1 ? 3 : 1);
+  const auto other = find_landmarks(phantom(0).ct);
+  parallel::set_thread_count(threads);
+  EXPECT_EQ(usual.landmarks.seeds_mm, other.landmarks.seeds_mm);
+  EXPECT_EQ(usual.landmarks.lv_apex_mm, other.landmarks.lv_apex_mm);
+  EXPECT_EQ(usual.long_axis, other.long_axis);
+  EXPECT_EQ(usual.confidence, other.confidence);
+  EXPECT_EQ(usual.volumes_ml, other.volumes_ml);
+  for (const auto& [name, valve] : usual.landmarks.valves)
+    EXPECT_TRUE(valve == other.landmarks.valves.at(name)) << name;
+}
+
+/// The message of the UserError that the search throws.
+std::string refusal(const CtVolume& ct) {
+  try {
+    find_landmarks(ct);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FindLandmarks, RefusesAnImageWithoutContrast) {
+  CtVolume plain = phantom(0).ct;
+  const auto& labels = phantom(0).labels;
+  for (std::size_t v = 0; v < plain.voxels.size(); ++v)
+    if (is_blood(static_cast<Region>(labels.voxels[v]))) plain.voxels[v] = 45;
+  const std::string message = refusal(plain);
+  EXPECT_NE(message.find("lv_blood"), std::string::npos) << message;
+  EXPECT_NE(message.find("contrast"), std::string::npos) << message;
+}
+
+TEST(FindLandmarks, RefusesAnImageWithoutLungs) {
+  Grid grid;
+  grid.size = {60, 60, 60};
+  grid.spacing_mm = {3, 3, 3};
+  EXPECT_NE(refusal(CtVolume(grid, 40)).find("lungs"), std::string::npos);
+}
+
+TEST(FindLandmarks, RefusesASliceTooThinForAHeart) {
+  Grid grid;
+  grid.size = {100, 100, 3};
+  EXPECT_NE(refusal(CtVolume(grid, 40)).find("thin"), std::string::npos);
+}
+
+TEST(FindLandmarks, ReportsAMirroredImage) {
+  CtVolume mirrored = phantom(0).ct;
+  const auto nx = mirrored.grid.size[0];
+  for (auto row = mirrored.voxels.begin(); row != mirrored.voxels.end(); row += nx) std::reverse(row, row + nx);
+  try {
+    const auto found = find_landmarks(mirrored);
+    EXPECT_LT(found.confidence, 0.5);
+    EXPECT_TRUE(std::any_of(found.warnings.begin(), found.warnings.end(),
+                            [](const std::string& warning) { return warning.find("mirrored") != std::string::npos; }));
+  } catch (const UserError& error) {  // no pool on the left looks like a left ventricle: refused
+    EXPECT_NE(error.message.find("mirrored"), std::string::npos) << error.message;
+  }
+}
+
+TEST(FindLandmarks, DoesNotDependOnTheDirectionOfTheAxes) {
+  const CtVolume& ct = phantom(0).ct;
+  CtVolume turned = ct;  // the same patient, rows stored from left to right
+  const auto nx = ct.grid.size[0];
+  for (auto row = turned.voxels.begin(); row != turned.voxels.end(); row += nx) std::reverse(row, row + nx);
+  turned.grid.origin_mm = lps_from_index(ct.grid, {static_cast<double>(nx - 1), 0, 0});
+  turned.grid.direction[0][0] = -1;
+  const auto found = find_landmarks(turned);
+  for (const auto& [name, seed] : found_in(0).landmarks.seeds_mm)
+    EXPECT_LT(norm(seed - found.landmarks.seeds_mm.at(name)), 3) << name;
+}
+
+struct Expected {
+  const char* file;
+  std::map<std::string, Vec3> seeds_mm, valves_mm;
+  Vec3 apex_mm;
+};
+
+/// Seeds were put inside the pools and checked by eye on the slices; a found seed need only be in the same pool, and
+/// the distances below are less than the pools' sizes.
+void expect_near(const Expected& expected) {
+  const std::string file = testing::real_data(expected.file);
+  if (file.empty()) GTEST_SKIP() << expected.file << " is not on this machine";
+  const auto found = find_landmarks(adapters::read_ct(file));
+  for (const auto& [name, seed] : expected.seeds_mm)
+    EXPECT_LT(norm(found.landmarks.seeds_mm.at(name) - seed), 25) << name;
+  for (const auto& [name, centre] : expected.valves_mm)
+    EXPECT_LT(norm(found.landmarks.valves.at(name).center_mm - centre), 10) << name;
+  EXPECT_LT(norm(*found.landmarks.lv_apex_mm - expected.apex_mm), 5);
+}
+
+TEST(RealScans, CardiacAngiography) {
+  expect_near({"cardiac-cta-1.5mm/ct.nii.gz",
+               {{"lv_blood", {48, -186, 636}},
+                {"la_blood", {0.3, -146.2, 664.7}},
+                {"rv_blood", {30, -214, 645}},
+                {"ra_blood", {-16.2, -188.2, 639.2}},
+                {"aorta", {4.8, -183.7, 702.2}}},
+               {{"mitral", {23.9, -167.7, 646.2}},
+                {"aortic", {15.6, -184.4, 660.5}},
+                {"tricuspid", {-0.5, -207.9, 640.2}},
+                {"pulmonary", {35.2, -193.7, 687.4}}},
+               {81.6, -222.1, 608}});
+}
+
+TEST(RealScans, UngatedChestCtWithStreaks) {
+  expect_near({"chest-ct-lidc-0001/ct.nii.gz",
+               {{"lv_blood", {63, -12, -184}},
+                {"la_blood", {20, 15.8, -172}},
+                {"rv_blood", {40, -41.2, -194}},
+                {"ra_blood", {-1, -29.2, -181}},
+                {"aorta", {-2.5, -27.7, -127}},
+                {"pulmonary_artery", {27.5, -12.7, -131.5}}},
+               {{"mitral", {42.6, 3.5, -180.7}},
+                {"aortic", {34.7, -15.1, -173.6}},
+                {"tricuspid", {8.3, -24.7, -193.2}},
+                {"pulmonary", {41, -38.5, -154}}},
+               {97.7, -41.9, -197.2}});
+}
+
+}  // namespace
+}  // namespace heart::landmarks

@@ -1,0 +1,150 @@
+#include "generator/segment/blood_pool.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "generator/segment/box_around.hpp"
+#include "generator/segment/components.hpp"
+#include "generator/segment/distance.hpp"
+#include "generator/segment/gaussian.hpp"
+#include "generator/segment/morphology.hpp"
+#include "generator/segment/seeds.hpp"
+#include "model/error.hpp"
+
+namespace heart::segment {
+namespace {
+
+constexpr double smoothing_mm = 0.6;        // against noise; moves a flat edge by nothing
+constexpr double core_smoothing_mm = 1.5;   // for the grey values of blood, which vary slowly
+constexpr double seed_ball_mm = 4;          // grey values are medians of this ball around a seed
+constexpr double least_contrast_hu = 25;    // blood less bright than this above muscle cannot be told from it
+constexpr double clear_contrast = 4;        // times the noise: weaker contrasts are cut in the smoother image
+constexpr double core_depth_mm = 3;         // blood this deep has its own grey value, free of partial volumes
+constexpr double core_fraction = 0.3;       // of the weakest contrast: what counts as blood for the cores
+constexpr double threshold_fraction = 0.5;  // the edge lies half-way between muscle and blood
+constexpr double grey_step_hu = 4;          // grey values travel with distances as one byte
+constexpr double leaflet_ml = 0.3;          // dark islands in blood up to this are leaflets, chordae or noise
+
+constexpr std::array<const char*, 4> chamber_names = {"lv_blood", "la_blood", "rv_blood", "ra_blood"};
+
+Volume<float> as_float(const CtVolume& ct) {
+  Volume<float> result(ct.grid);
+  for (std::size_t v = 0; v < ct.voxels.size(); ++v) result.voxels[v] = ct.voxels[v];
+  return result;
+}
+
+Mask above(const Volume<float>& image, double threshold) {
+  Mask result(image.grid);
+  for (std::size_t v = 0; v < image.voxels.size(); ++v)
+    result.voxels[v] = static_cast<double>(image.voxels[v]) > threshold;
+  return result;
+}
+
+/// Median grey value of the soft tissue 3 to 7 mm outside the left ventricle's blood near its seed.
+double muscle_shell_hu(const Volume<float>& image, const Vec3& lv_seed_mm, double soft_hu, double lv_hu) {
+  constexpr double reach_mm = 45;
+  const Volume<float> part = crop(image, box_around(image.grid, lv_seed_mm, reach_mm));
+  const double threshold = (soft_hu + lv_hu) / 2;
+  const auto distance = distance_to(above(part, threshold));
+  std::vector<float> values;
+  for (std::size_t v = 0; v < part.voxels.size(); ++v) {
+    const bool shell = distance.voxels[v] > 3 && distance.voxels[v] < 7;
+    if (shell && part.voxels[v] > 0 && static_cast<double>(part.voxels[v]) < threshold)
+      values.push_back(part.voxels[v]);
+  }
+  if (values.size() < 100) return soft_hu;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return std::min(static_cast<double>(*middle), threshold);
+}
+
+/// Grey value of the nearest deep blood (the mean of the deep blood around, so without partial volumes) as a byte of
+/// `grey_step_hu`; 0 where there is none.
+LabelVolume local_blood_byte(const Volume<float>& image, const Mask& core, double cap_hu) {
+  Volume<float> weight(image.grid);
+  Volume<float> grey(image.grid);
+  for (std::size_t v = 0; v < core.voxels.size(); ++v)
+    if (core.voxels[v]) weight.voxels[v] = 1, grey.voxels[v] = image.voxels[v];
+  weight = gaussian(weight, core_smoothing_mm);
+  grey = gaussian(grey, core_smoothing_mm);
+  LabelVolume byte(image.grid);
+  for (std::size_t v = 0; v < core.voxels.size(); ++v) {
+    if (!core.voxels[v]) continue;
+    const double mean = static_cast<double>(grey.voxels[v] / weight.voxels[v]);
+    byte.voxels[v] = static_cast<std::uint8_t>(std::clamp(std::min(mean, cap_hu) / grey_step_hu + 0.5, 1.0, 255.0));
+  }
+  return nearest_label(byte, 1e9);
+}
+
+Mask fill_islands(const Mask& blood, double limit_ml) {
+  Mask dark(blood.grid);
+  for (std::size_t v = 0; v < dark.voxels.size(); ++v) dark.voxels[v] = blood.voxels[v] == 0;
+  const auto limit = static_cast<std::int64_t>(limit_ml * 1000 / blood.grid.voxel_volume_mm3());
+  const Mask kept = drop_small_components(dark, limit);
+  Mask result(blood.grid);
+  for (std::size_t v = 0; v < result.voxels.size(); ++v) result.voxels[v] = kept.voxels[v] == 0;
+  return result;
+}
+
+/// Standard deviation of the noise in the blood, from the median deviation from the smoother image.
+double noise_hu(const Volume<float>& image, const Volume<float>& smooth, const Mask& blood) {
+  std::vector<float> deviation;
+  for (std::size_t v = 0; v < blood.voxels.size(); ++v)
+    if (blood.voxels[v]) deviation.push_back(std::abs(image.voxels[v] - smooth.voxels[v]));
+  if (deviation.empty()) return 0;
+  const auto middle = deviation.begin() + static_cast<std::ptrdiff_t>(deviation.size() / 2);
+  std::nth_element(deviation.begin(), middle, deviation.end());
+  return 1.48 * static_cast<double>(*middle);
+}
+
+struct SeedGreys {
+  double lowest = 0;  // of the four chambers
+  double left = 0;    // the dimmer of the left ventricle and atrium
+};
+
+/// A seed may lie on a papillary muscle: only what is clearly brighter than muscle around it counts.
+SeedGreys seed_greys(const CtVolume& ct, const Landmarks& landmarks, double muscle_hu) {
+  const double least = muscle_hu + least_contrast_hu;
+  std::array<double, 4> grey{};
+  for (std::size_t n = 0; n < 4; ++n) {
+    const Vec3& seed = landmarks.seeds_mm.at(chamber_names[n]);
+    grey[n] = median_around(ct, seed, seed_ball_mm, least);
+    if (grey[n] <= least)
+      throw UserError(
+          fmt::format("the seed is not in contrast-filled blood: {:.0f} HU there, muscle has {:.0f} HU",
+                      median_around(ct, seed, seed_ball_mm), muscle_hu),
+          fmt::format("landmarks: seed {} at ({:.1f}, {:.1f}, {:.1f}) mm", chamber_names[n], seed.x, seed.y, seed.z),
+          "move the seed into the chamber's blood, or use a CT with contrast agent");
+  }
+  return {*std::min_element(grey.begin(), grey.end()), std::min(grey[0], grey[1])};
+}
+
+}  // namespace
+
+BloodPool find_blood(const CtVolume& ct, const Landmarks& landmarks, double soft_hu) {
+  const Volume<float> image = gaussian(as_float(ct), smoothing_mm);
+  const Vec3& lv_seed = landmarks.seeds_mm.at("lv_blood");
+  const double lv_hu = median_around(ct, lv_seed, seed_ball_mm, soft_hu);
+  const double muscle = muscle_shell_hu(image, lv_seed, std::min(soft_hu, lv_hu), lv_hu);
+  const SeedGreys grey = seed_greys(ct, landmarks, muscle);
+
+  BloodPool result{Mask(ct.grid), gaussian(image, core_smoothing_mm), muscle, grey.left};
+  const Mask bright = above(result.smooth, muscle + core_fraction * (grey.lowest - muscle));
+  const Mask core = erode(bright, core_depth_mm);
+  const LabelVolume local = local_blood_byte(image, core, grey.left);
+  const double noise = noise_hu(image, result.smooth, core);
+  for (std::size_t v = 0; v < image.voxels.size(); ++v) {
+    const double blood_hu = local.voxels[v] ? local.voxels[v] * grey_step_hu : grey.left;
+    const double contrast = std::max(blood_hu - muscle, least_contrast_hu);
+    const float value = contrast > clear_contrast * noise ? image.voxels[v] : result.smooth.voxels[v];
+    result.blood.voxels[v] = static_cast<double>(value) > muscle + threshold_fraction * contrast;
+  }
+  result.blood = fill_islands(result.blood, leaflet_ml);
+  return result;
+}
+
+}  // namespace heart::segment

@@ -1,0 +1,178 @@
+#include "generator/segment/body.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "generator/segment/components.hpp"
+#include "generator/segment/gaussian.hpp"
+#include "generator/segment/liver.hpp"
+#include "generator/segment/morphology.hpp"
+#include "model/error.hpp"
+#include "model/labels.hpp"
+
+namespace heart::segment {
+namespace {
+
+constexpr int air_hu = -300;                 // darker voxels count when a gap's mean grey value is taken
+constexpr double open_air_hu = -930;         // mean below: air of the room; lungs are denser
+constexpr double table_mm = 4;               // the table touches the skin in pieces thinner than twice this
+constexpr double lung_share = 0.1;           // of the largest air space: smaller ones are airways, stomach and bowel
+constexpr double lung_vessel_mm = 2.5;       // radius of vessels that stay inside the lung
+constexpr float bone_hu = 160;               // spongy bone; contrast-filled vessels are taken out first
+constexpr float cortical_hu = 300;           // every bone has a shell brighter than this
+constexpr std::int64_t cortical_share = 10;  // one voxel in so many, at least
+constexpr double smoothing_mm = 1;           // against noise, for bone
+constexpr double vessel_fraction = 0.75;     // of the median grey value of the left ventricle's blood
+constexpr double contact_mm = 2;             // vessels and bone that touch over less than twice this are apart
+constexpr double spongy_mm = 3;              // marrow in gaps of the bone up to twice this wide belongs to it
+constexpr double least_bone_ml = 0.5;
+
+template <class Rule>
+Mask mask_where(const Grid& grid, Rule rule) {
+  Mask mask(grid);
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = rule(v);
+  return mask;
+}
+
+bool inside(const Grid& grid, const Vec3& position_mm) {
+  const Vec3 index = index_from_lps(grid, position_mm);
+  return grid.contains(std::lround(index.x), std::lround(index.y), std::lround(index.z));
+}
+
+struct Gap {
+  bool reaches_side = false;  // touches the left, right, front or back face of the image
+  std::int64_t air_voxels = 0;
+  double grey_sum = 0;
+};
+
+std::vector<Gap> measure_gaps(const Components& gaps, const CtVolume& ct) {
+  std::vector<Gap> result(gaps.voxel_count.size());
+  const auto [nx, ny, nz] = ct.grid.size;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < nz; ++k)
+    for (std::int64_t j = 0; j < ny; ++j)
+      for (std::int64_t i = 0; i < nx; ++i, ++v) {
+        Gap& gap = result[static_cast<std::size_t>(gaps.label.voxels[v])];
+        gap.reaches_side |= i == 0 || j == 0 || i == nx - 1 || j == ny - 1;
+        if (ct.voxels[v] > air_hu) continue;
+        ++gap.air_voxels;
+        gap.grey_sum += ct.voxels[v];
+      }
+  return result;
+}
+
+/// The patient: the largest piece of tissue with all that it encloses. Air that reaches the side of the image is
+/// outside when it is as empty as air, and lung cut by the field of view otherwise.
+Mask find_body(const CtVolume& ct, const Mask& tissue) {
+  const Mask core = largest_component(erode(tissue, table_mm));
+  const Mask solid = intersect(dilate(core, table_mm + 0.5), tissue);
+  const Components gaps =
+      connected_components(mask_where(ct.grid, [&](std::size_t v) { return solid.voxels[v] == 0; }));
+  const auto gap = measure_gaps(gaps, ct);
+  return mask_where(ct.grid, [&](std::size_t v) {
+    const Gap& g = gap[static_cast<std::size_t>(gaps.label.voxels[v])];
+    if (solid.voxels[v] || !g.reaches_side) return true;
+    return g.air_voxels > 0 && g.grey_sum / static_cast<double>(g.air_voxels) > open_air_hu;
+  });
+}
+
+Mask find_lung(const Mask& body, const Mask& tissue) {
+  const Components air = connected_components(subtract(body, tissue));
+  if (air.voxel_count.size() < 2) return Mask(body.grid);
+  const auto largest = *std::max_element(air.voxel_count.begin() + 1, air.voxel_count.end());
+  const auto least = static_cast<std::int64_t>(lung_share * static_cast<double>(largest));
+  const Mask lung = mask_where(body.grid, [&](std::size_t v) {
+    const auto label = static_cast<std::size_t>(air.label.voxels[v]);
+    return label > 0 && air.voxel_count[label] >= least;
+  });
+  return intersect(fill_holes(close(lung, lung_vessel_mm)), body);
+}
+
+double median_under(const Volume<float>& image, const LabelVolume& labels, Region region) {
+  std::vector<float> values;
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+    if (labels.voxels[v] == tag(region)) values.push_back(image.voxels[v]);
+  if (values.empty()) return 1e6;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+/// Voxels nearly as bright as the heart's blood that are connected with it over more than thin contacts: the great
+/// vessels beyond the model. The spongy inside of bones is less bright, and their bright shell is thin.
+Mask find_vessels(const Volume<float>& image, const LabelVolume& chambers) {
+  const Mask heart =
+      mask_where(chambers.grid, [&](std::size_t v) { return is_blood(static_cast<Region>(chambers.voxels[v])); });
+  const double least_hu = vessel_fraction * median_under(image, chambers, Region::lv_blood);
+  const Mask bright =
+      mask_where(chambers.grid, [&](std::size_t v) { return static_cast<double>(image.voxels[v]) > least_hu; });
+  const Components wide = connected_components(unite(erode(unite(bright, heart), contact_mm), heart));
+  std::vector<std::uint8_t> joined(wide.voxel_count.size(), 0);
+  for (std::size_t v = 0; v < heart.voxels.size(); ++v)
+    if (heart.voxels[v]) joined[static_cast<std::size_t>(wide.label.voxels[v])] = 1;
+  const Mask core = mask_where(chambers.grid, [&](std::size_t v) {
+    const auto label = static_cast<std::size_t>(wide.label.voxels[v]);
+    return label > 0 && joined[label] != 0;
+  });
+  return dilate(core, contact_mm + 1);
+}
+
+/// Pieces that have cortical bone in them; contrast in small vessels, spleen and kidneys is less bright.
+Mask with_cortex(const Mask& pieces, const Volume<float>& image, std::int64_t least_voxels) {
+  const Components parts = connected_components(pieces);
+  std::vector<std::int64_t> cortical(parts.voxel_count.size(), 0);
+  for (std::size_t v = 0; v < pieces.voxels.size(); ++v)
+    if (image.voxels[v] > cortical_hu) ++cortical[static_cast<std::size_t>(parts.label.voxels[v])];
+  return mask_where(pieces.grid, [&](std::size_t v) {
+    const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
+    return label > 0 && parts.voxel_count[label] >= least_voxels &&
+           cortical_share * cortical[label] >= parts.voxel_count[label];
+  });
+}
+
+Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& chambers) {
+  Volume<float> image(ct.grid);
+  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
+  image = gaussian(image, smoothing_mm);
+  const Mask bright = mask_where(ct.grid, [&](std::size_t v) {
+    return image.voxels[v] > bone_hu && body.body.voxels[v] && chambers.voxels[v] == 0;
+  });
+  const Mask vessels = find_vessels(image, chambers);
+  const Mask rest = mask_where(
+      ct.grid, [&](std::size_t v) { return bright.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v]; });
+  const auto least = static_cast<std::int64_t>(least_bone_ml * 1000 / ct.grid.voxel_volume_mm3());
+  const Mask bone = fill_holes_in_slices(close(with_cortex(rest, image, least), spongy_mm));
+  return mask_where(ct.grid, [&](std::size_t v) {
+    return bone.voxels[v] && body.body.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] &&
+           chambers.voxels[v] == 0;
+  });
+}
+
+}  // namespace
+
+BodyResult segment_body(const CtVolume& ct, const SegmentationTree& tree, const LabelVolume& chambers,
+                        const Landmarks& landmarks, const ChamberSettings& settings) {
+  const Mask& tissue = side(tree, settings.tissue);
+  BodyResult result;
+  result.body = find_body(ct, tissue);
+  if (count(result.body) == 0)
+    throw UserError(
+        fmt::format("\"{}\" holds no piece of tissue thicker than {:.0f} mm", settings.tissue, 2 * table_mm),
+        "chambers.tissue", "name the side of the tree that is not air");
+  result.lung = find_lung(result.body, tissue);
+  result.bone = find_bone(ct, result, chambers);
+  result.liver = Mask(ct.grid);
+  const auto liver = landmarks.seeds_mm.find("liver");
+  if (liver != landmarks.seeds_mm.end() && inside(ct.grid, liver->second)) {
+    const Mask free = mask_where(ct.grid, [&](std::size_t v) {
+      return result.body.voxels[v] && !result.lung.voxels[v] && !result.bone.voxels[v] && chambers.voxels[v] == 0;
+    });
+    result.liver = segment_liver(ct, free, liver->second);
+  }
+  return result;
+}
+
+}  // namespace heart::segment

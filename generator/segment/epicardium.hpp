@@ -1,0 +1,25 @@
+// The walls of the heart (thesis 7.2, 7.3): the epicardium of the ventricles, then of the atria, each as the minimal
+// cut in a band around the cavities.
+#pragma once
+#include "generator/parallel/comm.hpp"
+#include "generator/segment/hierarchy.hpp"
+#include "model/landmarks.hpp"
+#include "model/recipe.hpp"
+#include "model/volume.hpp"
+
+namespace heart::segment {
+
+struct WallResult {
+  LabelVolume walls;  ///< lv_myocardium, rv_myocardium, la_wall, ra_wall; 0 elsewhere. Root only, empty elsewhere
+  double ventricle_duality_gap = 0;  ///< relative gap of the two cuts at the end
+  double atrium_duality_gap = 0;
+  int ventricle_iterations = 0;
+  int atrium_iterations = 0;
+};
+
+/// @collective: the images are read on the root only. Blood and vessels of `chambers_on_root` are never overwritten;
+/// valve orifices stay open.
+WallResult epicardium(const CtVolume& ct_on_root, const LabelVolume& chambers_on_root, const SegmentationTree& tree,
+                      const Landmarks& landmarks, const EpicardiumSettings& settings, const parallel::Comm& comm);
+
+}  // namespace heart::segment

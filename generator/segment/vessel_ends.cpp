@@ -1,0 +1,98 @@
+#include "generator/segment/vessel_ends.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "generator/segment/components.hpp"
+#include "generator/segment/distance.hpp"
+#include "generator/segment/flood.hpp"
+#include "generator/segment/morphology.hpp"
+
+namespace heart::segment {
+namespace {
+
+constexpr double shell_mm = 4;  // thickness of the slices of a vessel whose centroids give its axis
+constexpr double lever_mm = 8;  // distance between them
+
+Vec3 position(const Grid& grid, std::size_t v) {
+  const auto offset = static_cast<std::int64_t>(v);
+  const auto row = offset / grid.size[0];
+  return lps_from_index(grid, {static_cast<double>(offset % grid.size[0]), static_cast<double>(row % grid.size[1]),
+                               static_cast<double>(row / grid.size[1])});
+}
+
+Mask shell(const Volume<float>& way_mm, double from_mm, double to_mm) {
+  Mask result(way_mm.grid);
+  for (std::size_t v = 0; v < result.voxels.size(); ++v) {
+    const auto way = static_cast<double>(way_mm.voxels[v]);
+    result.voxels[v] = way >= from_mm && way < to_mm;
+  }
+  return result;
+}
+
+/// Centroids of the pieces of a mask with at least `minimum` voxels.
+std::vector<Vec3> centroids(const Mask& mask, std::int64_t minimum) {
+  const Components pieces = connected_components(mask);
+  std::vector<Vec3> sum(pieces.voxel_count.size());
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v)
+    if (const auto label = pieces.label.voxels[v]; label > 0)
+      sum[static_cast<std::size_t>(label)] += position(mask.grid, v);
+  std::vector<Vec3> result;
+  for (std::size_t n = 1; n < sum.size(); ++n)
+    if (pieces.voxel_count[n] >= minimum) result.push_back(sum[n] / static_cast<double>(pieces.voxel_count[n]));
+  return result;
+}
+
+const Vec3& nearest(const std::vector<Vec3>& points, const Vec3& to) {
+  return *std::min_element(points.begin(), points.end(),
+                           [&](const Vec3& a, const Vec3& b) { return norm(a - to) < norm(b - to); });
+}
+
+}  // namespace
+
+Mask cut_artery(const Mask& artery, const Mask& start, double length_mm) {
+  const auto way = geodesic_distance(artery, start, length_mm + lever_mm);
+  const auto minimum = static_cast<std::int64_t>(50 / artery.grid.voxel_volume_mm3());
+  const auto ends = centroids(shell(way, length_mm - shell_mm / 2, length_mm + shell_mm / 2), minimum);
+  const auto before =
+      centroids(shell(way, length_mm - shell_mm / 2 - lever_mm, length_mm + shell_mm / 2 - lever_mm), 1);
+  Mask result(artery.grid);
+  for (std::size_t v = 0; v < result.voxels.size(); ++v) {
+    const auto length = static_cast<double>(way.voxels[v]);
+    if (length > length_mm + lever_mm) continue;
+    if (ends.empty() || before.empty() || length < length_mm - lever_mm) {
+      result.voxels[v] = length <= length_mm;
+      continue;
+    }
+    const Vec3 at = position(artery.grid, v);
+    const Vec3& end = nearest(ends, at);
+    const Vec3 axis = normalized(end - nearest(before, end));
+    result.voxels[v] = dot(at - end, axis) <= 0;
+  }
+  return largest_component(result);
+}
+
+Mask cut_veins(const Mask& chamber, double core_share, double stump_mm) {
+  Mask outside(chamber.grid);
+  for (std::size_t v = 0; v < outside.voxels.size(); ++v) outside.voxels[v] = chamber.voxels[v] == 0;
+  const auto depth = distance_to(outside, 1e3F);
+  const auto deepest = std::max_element(depth.voxels.begin(), depth.voxels.end());
+  const double radius = core_share * static_cast<double>(*deepest);
+  const auto at = deepest - depth.voxels.begin();
+  const Index3 seed{at % chamber.grid.size[0], at / chamber.grid.size[0] % chamber.grid.size[1],
+                    at / (chamber.grid.size[0] * chamber.grid.size[1])};
+  const Mask core = component_of(intersect(open(chamber, radius), chamber), seed);
+  const auto way = geodesic_distance(chamber, core, stump_mm);
+  Mask result(chamber.grid);
+  for (std::size_t v = 0; v < result.voxels.size(); ++v)
+    result.voxels[v] = static_cast<double>(way.voxels[v]) <= stump_mm;
+  return result;
+}
+
+Mask drop_thin_branches(const Mask& region, double radius_mm) {
+  constexpr double rim_mm = 1;
+  const Mask wide = dilate(erode(region, radius_mm), radius_mm + rim_mm);
+  return largest_component(intersect(wide, region));
+}
+
+}  // namespace heart::segment

@@ -1,0 +1,187 @@
+#include "generator/segment/body.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "generator/segment/fuse_labels.hpp"
+#include "generator/segment/morphology.hpp"
+#include "generator/segment/trachea.hpp"
+#include "generator/segment/vessel.hpp"
+#include "model/error.hpp"
+#include "model/labels.hpp"
+
+namespace heart::segment {
+namespace {
+
+/// A chest of cylinders on a table: skin radius 60 mm, two lungs, a trachea that splits into them, a spine.
+struct ToyChest {
+  CtVolume ct;
+  LabelVolume truth;
+  LabelVolume chambers;
+  SegmentationTree tree;
+};
+
+Region chest_region(const Vec3& p) {
+  if (std::hypot(p.x, p.y) > 60) return Region::none;
+  if (p.z > 10 && std::hypot(p.x, p.y - 5) < 8) return Region::trachea;
+  if (std::abs(p.z) < 40 && std::hypot(std::abs(p.x) - 30, p.y) < 18) return Region::lung;
+  if (std::hypot(p.x, p.y - 38) < 12) return Region::bone;
+  return Region::torso;
+}
+
+double chest_grey(const Vec3& p, Region region) {
+  switch (region) {
+    case Region::none:
+      return std::abs(p.y - 66) < 2.5 ? 100 : -1000;  // the table
+    case Region::trachea:
+      return -1000;
+    case Region::lung:
+      return -850;
+    case Region::bone:
+      return std::hypot(p.x, p.y - 38) > 9 ? 700 : 230;
+    default:
+      return 40;
+  }
+}
+
+ToyChest toy_chest() {
+  Grid grid;
+  grid.size = {70, 72, 50};
+  grid.spacing_mm = {2, 2, 2.2};
+  grid.origin_mm = {-69, -65, -55};
+  ToyChest chest{CtVolume(grid), LabelVolume(grid), LabelVolume(grid), {}};
+  SegmentationSide step{"body", Mask(grid), Mask(grid), -980, 40};
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i, ++v) {
+        const Vec3 p = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        const Region region = chest_region(p);
+        chest.truth.voxels[v] = tag(region);
+        chest.ct.voxels[v] = static_cast<std::int16_t>(chest_grey(p, region));
+        step.above.voxels[v] = chest.ct.voxels[v] > -470;
+        step.below.voxels[v] = !step.above.voxels[v];
+      }
+  chest.tree = {step};
+  return chest;
+}
+
+double overlap(const Mask& mask, const LabelVolume& truth, Region region) {
+  std::int64_t both = 0, sum = 0;
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v) {
+    const bool in = truth.voxels[v] == tag(region);
+    both += mask.voxels[v] && in;
+    sum += (mask.voxels[v] != 0) + in;
+  }
+  return 2.0 * static_cast<double>(both) / static_cast<double>(sum);
+}
+
+TEST(Body, SkinLungsAndBoneWithoutTheTable) {
+  const ToyChest chest = toy_chest();
+  const auto body = segment_body(chest.ct, chest.tree, chest.chambers, {}, {});
+  for (std::size_t v = 0; v < chest.truth.voxels.size(); ++v)
+    EXPECT_EQ(body.body.voxels[v], chest.truth.voxels[v] != 0) << v;
+  EXPECT_GT(overlap(body.lung, chest.truth, Region::lung), 0.95);
+  EXPECT_GT(overlap(body.bone, chest.truth, Region::bone), 0.85);
+}
+
+TEST(Body, LungCutByTheFieldOfViewIsInside) {
+  ToyChest chest = toy_chest();
+  for (std::int64_t k = 0; k < 50; ++k)
+    for (std::int64_t j = 0; j < 72; ++j) {
+      chest.ct(0, j, k) = -850;  // the image ends inside a lung
+      chest.tree[0].above(0, j, k) = 0;
+      for (std::int64_t i = 1; i < 20; ++i) chest.ct(i, j, k) = -850, chest.tree[0].above(i, j, k) = 0;
+    }
+  EXPECT_EQ(segment_body(chest.ct, chest.tree, chest.chambers, {}, {}).body(2, 36, 25), 1);
+}
+
+TEST(Body, NoTissueIsAUserError) {
+  ToyChest chest = toy_chest();
+  std::fill(chest.tree[0].above.voxels.begin(), chest.tree[0].above.voxels.end(), std::uint8_t{0});
+  EXPECT_THROW(segment_body(chest.ct, chest.tree, chest.chambers, {}, {}), UserError);
+}
+
+TEST(Body, TheLiverFollowsItsSeed) {
+  ToyChest chest = toy_chest();
+  LabelVolume truth = chest.truth;
+  const auto [nx, ny, nz] = truth.grid.size;
+  for (std::int64_t v = 0; v < truth.grid.voxel_count(); ++v) {
+    const Vec3 p = lps_from_index(truth.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
+                                               static_cast<double>(v / (nx * ny))});
+    if (norm(p - Vec3{-5, -34, -10}) > 17) continue;
+    truth.voxels[static_cast<std::size_t>(v)] = tag(Region::liver);
+    chest.ct.voxels[static_cast<std::size_t>(v)] = 110;
+  }
+  Landmarks landmarks;
+  EXPECT_EQ(count(segment_body(chest.ct, chest.tree, chest.chambers, landmarks, {}).liver), 0);
+  landmarks.seeds_mm["liver"] = {-5, -34, -10};
+  EXPECT_GT(overlap(segment_body(chest.ct, chest.tree, chest.chambers, landmarks, {}).liver, truth, Region::liver),
+            0.9);
+  landmarks.seeds_mm["liver"] = {-5, -34, -500};  // below the scan
+  EXPECT_EQ(count(segment_body(chest.ct, chest.tree, chest.chambers, landmarks, {}).liver), 0);
+  landmarks.seeds_mm["liver"] = {-30, 0, 0};  // in the lung
+  EXPECT_THROW(segment_body(chest.ct, chest.tree, chest.chambers, landmarks, {}), UserError);
+}
+
+TEST(Trachea, IsFoundWithAndWithoutASeedAndDoesNotLeak) {
+  const ToyChest chest = toy_chest();
+  Landmarks landmarks;
+  const Mask found = segment_trachea(chest.ct, chest.tree, landmarks);
+  EXPECT_GT(overlap(found, chest.truth, Region::trachea), 0.9);
+  landmarks.seeds_mm["trachea"] = {1, 4, 30};
+  EXPECT_EQ(segment_trachea(chest.ct, chest.tree, landmarks).voxels, found.voxels);
+  landmarks.seeds_mm["trachea"] = {1, -50, 0};
+  EXPECT_THROW(segment_trachea(chest.ct, chest.tree, landmarks), UserError);
+}
+
+TEST(Vessel, IsCutHalfWayAndALeakIsRefused) {
+  Grid grid;
+  grid.size = {40, 40, 40};
+  grid.spacing_mm = {0.5, 0.5, 0.5};
+  CtVolume angiogram(grid, 50);
+  std::int64_t truth = 0;
+  for (std::int64_t k = 0; k < 40; ++k)
+    for (std::int64_t j = 0; j < 40; ++j)
+      for (std::int64_t i = 0; i < 40; ++i) {
+        const bool lumen = std::hypot(static_cast<double>(i) - 20, static_cast<double>(j) - 18) < 6;
+        truth += lumen;
+        const int noise = static_cast<int>((i * 7 + j * 13 + k * 29) % 41) - 20;
+        angiogram(i, j, k) = static_cast<std::int16_t>((lumen ? 350 : 50) + noise);
+      }
+  const Vec3 seed = lps_from_index(grid, {20, 18, 20});
+  const auto found = count(segment_vessel(angiogram, seed));
+  EXPECT_NEAR(static_cast<double>(found), static_cast<double>(truth), 0.03 * static_cast<double>(truth));
+  EXPECT_THROW(segment_vessel(angiogram, lps_from_index(grid, {3, 3, 20})), UserError);
+  EXPECT_THROW(segment_vessel(angiogram, {500, 0, 0}), UserError);
+  EXPECT_THROW(segment_vessel(angiogram, seed, {.maximum_volume_ml = 0.2}), UserError);
+}
+
+TEST(FuseLabels, PrecedenceAndIslands) {
+  Grid grid;
+  grid.size = {30, 20, 20};
+  BodyResult body{Mask(grid, 1), Mask(grid), Mask(grid), Mask(grid)};
+  LabelVolume chambers(grid), walls(grid);
+  Mask trachea(grid);
+  for (std::int64_t k = 5; k < 15; ++k)
+    for (std::int64_t j = 5; j < 15; ++j)
+      for (std::int64_t i = 5; i < 15; ++i) {
+        walls(i, j, k) = tag(Region::lv_myocardium);
+        body.bone(i, j, k) = 1;
+        if (i > 8) chambers(i, j, k) = tag(Region::lv_blood);
+      }
+  for (std::int64_t i = 20; i < 28; ++i) body.lung(i, 10, 10) = trachea(i, 10, 10) = body.bone(i, 10, 10) = 1;
+  walls(18, 2, 2) = tag(Region::lv_myocardium);  // an island in the torso
+  chambers(6, 10, 10) = tag(Region::lv_blood);   // an island in the wall
+  const auto labels = fuse_labels(chambers, walls, body, trachea);
+  EXPECT_EQ(labels(10, 10, 10), tag(Region::lv_blood));
+  EXPECT_EQ(labels(6, 7, 7), tag(Region::lv_myocardium));
+  EXPECT_EQ(labels(22, 10, 10), tag(Region::trachea));
+  EXPECT_EQ(labels(18, 2, 2), tag(Region::torso));
+  EXPECT_EQ(labels(6, 10, 10), tag(Region::lv_myocardium));
+  EXPECT_EQ(labels(0, 0, 0), tag(Region::torso));
+}
+
+}  // namespace
+}  // namespace heart::segment

@@ -1,0 +1,156 @@
+#include "generator/segment/chambers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "generator/segment/components.hpp"
+#include "generator/segment/epicardium.hpp"
+#include "generator/segment/morphology.hpp"
+#include "model/error.hpp"
+#include "segment/toy_heart.hpp"
+
+namespace heart::segment {
+namespace {
+
+LabelVolume chambers_of(const ToyHeart& heart, const ChamberSettings& settings = {}) {
+  return split_chambers(heart.ct, heart.tree, heart.landmarks, settings);
+}
+
+std::string error_of(const ToyHeart& heart) {
+  try {
+    chambers_of(heart);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Chambers, AreFoundAndEndAtTheValves) {
+  const ToyHeart heart = toy_heart();
+  const auto labels = chambers_of(heart);
+  for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood})
+    EXPECT_GT(dice(labels, heart.truth, region), 0.95) << region_name(tag(region));
+}
+
+TEST(Chambers, AWeaklyEnhancedRightHeartIsFoundToo) {
+  const ToyHeart heart = toy_heart({.left_hu = 450, .right_hu = 190, .noise_hu = 20});
+  const auto labels = chambers_of(heart);
+  for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood})
+    EXPECT_GT(dice(labels, heart.truth, region), 0.93) << region_name(tag(region));
+}
+
+TEST(Chambers, TheAortaIsCutAtItsLength) {
+  const ToyHeart heart = toy_heart();
+  ChamberSettings settings;
+  settings.vessel_length_mm = 12;
+  const auto labels = chambers_of(heart, settings);
+  const auto at = [&](double y) {
+    const Vec3 index = index_from_lps(labels.grid, {20, y, -10});
+    return labels(std::lround(index.x), std::lround(index.y), std::lround(index.z));
+  };
+  EXPECT_EQ(at(14), tag(Region::lv_blood));
+  EXPECT_EQ(at(22), tag(Region::aorta));
+  EXPECT_EQ(at(35), 0);
+}
+
+TEST(Chambers, PapillaryMusclesAreKeptOrClosed) {
+  ToyHeart heart = toy_heart();
+  const Vec3 tip{28, -8, -14};
+  for (std::int64_t v = 0; v < heart.ct.grid.voxel_count(); ++v) {
+    const auto [nx, ny, nz] = heart.ct.grid.size;
+    const Vec3 p = lps_from_index(heart.ct.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
+                                                  static_cast<double>(v / (nx * ny))});
+    if (norm(p - tip) < 4.5) heart.ct.voxels[static_cast<std::size_t>(v)] = 110;
+  }
+  const Vec3 index = index_from_lps(heart.ct.grid, tip);
+  const Index3 at{std::lround(index.x), std::lround(index.y), std::lround(index.z)};
+  EXPECT_EQ(chambers_of(heart)(at[0], at[1], at[2]), tag(Region::papillary));
+  ChamberSettings settings;
+  settings.close_trabeculae_mm = 6;
+  EXPECT_EQ(chambers_of(heart, settings)(at[0], at[1], at[2]), tag(Region::lv_blood));
+}
+
+TEST(Chambers, PoolsWithoutAValveBetweenThemNeverTouch) {
+  ToyHeart heart = toy_heart();
+  const auto [nx, ny, nz] = heart.ct.grid.size;
+  for (std::int64_t v = 0; v < heart.ct.grid.voxel_count();
+       ++v) {  // a channel between the atria, as if their wall were lost
+    const Vec3 p = lps_from_index(heart.ct.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
+                                                  static_cast<double>(v / (nx * ny))});
+    if (std::abs(p.x) < 15 && std::hypot(p.y, p.z - 23) < 5) heart.ct.voxels[static_cast<std::size_t>(v)] = 350;
+  }
+  const auto labels = chambers_of(heart);
+  const auto at = [&](std::int64_t i, std::int64_t j, std::int64_t k) { return labels(i, j, k); };
+  std::int64_t contacts = 0, channel = 0;
+  for (std::int64_t k = 0; k + 1 < nz; ++k)
+    for (std::int64_t j = 0; j + 1 < ny; ++j)
+      for (std::int64_t i = 0; i + 1 < nx; ++i)
+        for (const auto& [x, y, z] : {Index3{i + 1, j, k}, {i, j + 1, k}, {i, j, k + 1}}) {
+          const auto low = std::min(at(i, j, k), at(x, y, z)), high = std::max(at(i, j, k), at(x, y, z));
+          contacts += low == tag(Region::la_blood) && high == tag(Region::ra_blood);
+          channel += high == tag(Region::la_blood) || high == tag(Region::ra_blood);
+        }
+  EXPECT_EQ(contacts, 0);
+  EXPECT_GT(channel, 0);
+}
+
+TEST(Chambers, WrongSeedsAreNamed) {
+  ToyHeart heart = toy_heart();
+  heart.landmarks.seeds_mm.erase("ra_blood");
+  EXPECT_NE(error_of(heart).find("ra_blood"), std::string::npos);
+  heart = toy_heart();
+  heart.landmarks.seeds_mm["la_blood"] = {20, 0, 400};
+  EXPECT_NE(error_of(heart).find("la_blood at (20.0, 0.0, 400.0)"), std::string::npos);
+  heart = toy_heart();
+  heart.landmarks.seeds_mm["rv_blood"] = {-40, -25, -30};  // in fat
+  EXPECT_NE(error_of(heart).find("rv_blood"), std::string::npos);
+  EXPECT_NE(error_of(heart).find("HU"), std::string::npos);
+}
+
+TEST(Epicardium, WallsAreFoundAndLeaveBloodAlone) {
+  const ToyHeart heart = toy_heart();
+  const auto chambers = chambers_of(heart);
+  const auto result = epicardium(heart.ct, chambers, heart.tree, heart.landmarks, {}, parallel::self());
+  EXPECT_GT(dice(result.walls, heart.truth, Region::lv_myocardium), 0.93);
+  EXPECT_GT(dice(result.walls, heart.truth, Region::rv_myocardium), 0.75);
+  EXPECT_GT(dice(result.walls, heart.truth, Region::la_wall), 0.6);
+  EXPECT_GT(dice(result.walls, heart.truth, Region::ra_wall), 0.6);
+  EXPECT_LE(result.ventricle_duality_gap, 1e-3);
+  for (std::size_t v = 0; v < chambers.voxels.size(); ++v)
+    if (chambers.voxels[v]) {
+      EXPECT_EQ(result.walls.voxels[v], 0);
+    }
+}
+
+/// Blood of the four chambers touches nothing but walls, other blood and papillary muscle.
+TEST(Epicardium, NoBloodIsWithoutWall) {
+  const ToyHeart heart = toy_heart();
+  const auto chambers = chambers_of(heart);
+  const auto walls = epicardium(heart.ct, chambers, heart.tree, heart.landmarks, {}, parallel::self()).walls;
+  std::int64_t bare = 0, faces = 0;
+  const auto& size = chambers.grid.size;
+  for (std::int64_t k = 1; k + 1 < size[2]; ++k)
+    for (std::int64_t j = 1; j + 1 < size[1]; ++j)
+      for (std::int64_t i = 1; i + 1 < size[0]; ++i) {
+        const auto region = static_cast<Region>(chambers(i, j, k));
+        if (!is_blood(region) || region == Region::aorta) continue;
+        for (const auto& [x, y, z] :
+             {Index3{i + 1, j, k}, {i - 1, j, k}, {i, j + 1, k}, {i, j - 1, k}, {i, j, k + 1}, {i, j, k - 1}}) {
+          ++faces;
+          bare += chambers(x, y, z) == 0 && walls(x, y, z) == 0;
+        }
+      }
+  EXPECT_GT(faces, 0);
+  EXPECT_LE(bare, 40);  // single voxels at the aorta's root, where the vessel's own wall begins
+}
+
+TEST(Epicardium, EmptyChambersAreAUserError) {
+  const ToyHeart heart = toy_heart();
+  EXPECT_THROW(epicardium(heart.ct, LabelVolume(heart.ct.grid), heart.tree, heart.landmarks, {}, parallel::self()),
+               UserError);
+}
+
+}  // namespace
+}  // namespace heart::segment

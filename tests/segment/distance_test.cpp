@@ -1,0 +1,99 @@
+#include "generator/segment/distance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "generator/parallel/threads.hpp"
+
+namespace heart::segment {
+namespace {
+
+Mask scattered(std::uint32_t seed, std::uint32_t one_in) {
+  Grid grid;
+  grid.size = {19, 14, 11};
+  grid.spacing_mm = {0.7, 1.3, 2.5};
+  Mask mask(grid);
+  for (auto& v : mask.voxels) {
+    seed = seed * 1664525U + 1013904223U;
+    v = (seed >> 16U) % one_in == 0;
+  }
+  return mask;
+}
+
+Vec3 place(const Grid& grid, std::int64_t v) {
+  return lps_from_index(grid,
+                        {static_cast<double>(v % grid.size[0]), static_cast<double>(v / grid.size[0] % grid.size[1]),
+                         static_cast<double>(v / (grid.size[0] * grid.size[1]))});
+}
+
+double slow_distance(const Mask& mask, std::int64_t v) {
+  double best = 1e6;
+  for (std::int64_t u = 0; u < mask.grid.voxel_count(); ++u)
+    if (mask.voxels[static_cast<std::size_t>(u)])
+      best = std::min(best, norm(place(mask.grid, u) - place(mask.grid, v)));
+  return best;
+}
+
+TEST(Distance, EqualsTheSlowSearch) {
+  for (const std::uint32_t one_in : {3U, 40U, 900U}) {
+    const Mask mask = scattered(one_in, one_in);
+    const auto distance = distance_to(mask);
+    for (std::int64_t v = 0; v < mask.grid.voxel_count(); v += 7)
+      EXPECT_NEAR(static_cast<double>(distance.voxels[static_cast<std::size_t>(v)]), slow_distance(mask, v), 1e-4);
+  }
+}
+
+TEST(Distance, EmptyMaskIsFarEverywhere) {
+  Mask mask = scattered(1, 2);
+  std::fill(mask.voxels.begin(), mask.voxels.end(), std::uint8_t{0});
+  for (const float d : distance_to(mask, 50).voxels) EXPECT_EQ(d, 50);
+}
+
+TEST(Distance, SameBitsForAnyNumberOfThreads) {
+  const Mask mask = scattered(5, 60);
+  const int threads = parallel::thread_count();
+  parallel::set_thread_count(1);
+  const auto one = distance_to(mask);
+  parallel::set_thread_count(3);
+  const auto three = distance_to(mask);
+  parallel::set_thread_count(threads);
+  EXPECT_EQ(one.voxels, three.voxels);
+}
+
+TEST(Distance, SignedDistanceIsZeroHalfWayBetweenVoxels) {
+  Grid grid;
+  grid.size = {12, 5, 4};
+  grid.spacing_mm = {1.5, 0.8, 3};
+  Mask mask(grid);
+  for (std::int64_t k = 0; k < 4; ++k)
+    for (std::int64_t j = 0; j < 5; ++j)
+      for (std::int64_t i = 0; i < 6; ++i) mask(i, j, k) = 1;
+  const auto phi = signed_distance(mask);
+  EXPECT_FLOAT_EQ(phi(5, 2, 2), -phi(6, 2, 2));
+  EXPECT_LT(phi(5, 2, 2), 0);
+  EXPECT_NEAR(phi(8, 2, 2) - phi(7, 2, 2), 1.5, 1e-5);
+}
+
+TEST(Distance, NearestLabelIsTheNearestVoxelsLabel) {
+  LabelVolume labels = scattered(9, 200);
+  std::uint8_t next = 1;
+  for (auto& v : labels.voxels)
+    if (v) v = next++;
+  const auto nearest = nearest_label(labels, 4);
+  const auto distance = distance_to(labels);
+  for (std::int64_t v = 0; v < labels.grid.voxel_count(); ++v) {
+    const auto at = static_cast<std::size_t>(v);
+    if (distance.voxels[at] > 4) {
+      EXPECT_EQ(nearest.voxels[at], 0);
+      continue;
+    }
+    const auto owner = std::find(labels.voxels.begin(), labels.voxels.end(), nearest.voxels[at]);
+    EXPECT_NEAR(norm(place(labels.grid, owner - labels.voxels.begin()) - place(labels.grid, v)),
+                static_cast<double>(distance.voxels[at]), 1e-4);
+  }
+}
+
+}  // namespace
+}  // namespace heart::segment

@@ -1,0 +1,54 @@
+#include "generator/segment/morphology.hpp"
+
+#include <gtest/gtest.h>
+
+namespace heart::segment {
+namespace {
+
+Mask ball(double radius_mm) {
+  Grid grid;
+  grid.size = {41, 33, 25};
+  grid.spacing_mm = {0.8, 1, 1.4};
+  Mask mask(grid);
+  const Vec3 center = lps_from_index(grid, {20, 16, 12});
+  for (std::int64_t k = 0; k < 25; ++k)
+    for (std::int64_t j = 0; j < 33; ++j)
+      for (std::int64_t i = 0; i < 41; ++i)
+        mask(i, j, k) =
+            norm(lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}) -
+                 center) <= radius_mm;
+  return mask;
+}
+
+TEST(Morphology, DilationOfAPointIsTheBall) { EXPECT_EQ(dilate(ball(0.1), 6.05).voxels, ball(6.05).voxels); }
+
+TEST(Morphology, ErosionIsTheDilationOfTheComplement) {
+  const Mask eroded = erode(ball(9), 4);
+  EXPECT_GT(count(eroded), 0);
+  EXPECT_EQ(count(subtract(eroded, ball(6.4))), 0);
+  EXPECT_EQ(count(subtract(dilate(eroded, 4), ball(9))), 0);
+}
+
+TEST(Morphology, OpeningRemovesWhatIsThinnerThanTheBall) {
+  Mask mask = ball(8);
+  for (std::int64_t i = 0; i < 41; ++i) mask(i, 16, 12) = 1;
+  EXPECT_EQ(count(intersect(open(mask, 3), subtract(mask, ball(8.01)))), 0);
+  EXPECT_EQ(count(open(ball(2), 3)), 0);
+}
+
+TEST(Morphology, ClosingFillsGapsAndContainsTheMask) {
+  Mask mask = ball(8);
+  mask(20, 16, 12) = 0;
+  const Mask closed = close(mask, 3);
+  EXPECT_EQ(closed(20, 16, 12), 1);
+  EXPECT_EQ(count(subtract(mask, closed)), 0);
+}
+
+TEST(Morphology, TheBorderContinues) {
+  Grid grid;
+  grid.size = {6, 6, 6};
+  EXPECT_EQ(count(erode(Mask(grid, 1), 3)), 216);
+}
+
+}  // namespace
+}  // namespace heart::segment

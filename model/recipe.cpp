@@ -29,6 +29,10 @@ bool assign(const toml::node& node, double& value) {
   if (const auto number = node.value<double>(); number && node.is_number()) return value = *number, true;
   return false;
 }
+bool assign(const toml::node& node, bool& value) {
+  if (const auto* flag = node.as_boolean()) return value = flag->get(), true;
+  return false;
+}
 template <class T>
 bool assign(const toml::node& node, std::vector<T>& values) {
   const auto* array = node.as_array();
@@ -46,6 +50,7 @@ bool assign(const toml::node& node, Vec3& value) {
 }
 
 const char* expected(const std::string&) { return "a text in quotes"; }
+const char* expected(bool) { return "true or false"; }
 const char* expected(int) { return "a whole number"; }
 const char* expected(double) { return "a number"; }
 const char* expected(const std::vector<std::string>&) { return "a list of texts"; }
@@ -235,6 +240,7 @@ Recipe read_recipe(const std::string& path) {
                             {"author", &recipe.author},
                             {"date_published", &recipe.date_published}})
     top.take(key, *value);
+  top.take("synthetic_image", recipe.synthetic_image);
   read_section(top, "input", recipe.input);
   const fs::path folder = fs::path(path).parent_path();
   InputSettings::describe([&](const char*, std::string& file, const char*) { resolve(file, folder); }, recipe.input);
@@ -260,6 +266,7 @@ std::string write_recipe(const Recipe& recipe, bool file_names_only) {
                                    {"author", recipe.author},
                                    {"date_published", recipe.date_published}})
     text += fmt::format("{} = {}\n", key, toml_text(value));
+  text += fmt::format("synthetic_image = {}\n", recipe.synthetic_image);
   // The landmarks follow in full; a copied file name would be read again on top of them.
   InputSettings input = file_names_only ? without_folders(recipe.input) : recipe.input;
   input.landmarks.clear();

@@ -1,0 +1,312 @@
+#include "generator/app/commands.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "exporters/bundle.hpp"
+#include "exporters/registry.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "generator/adapters/vtk_io.hpp"
+#include "generator/app/pipeline.hpp"
+#include "generator/landmarks/landmarks.hpp"
+#include "generator/mesh/mesh_heart.hpp"
+#include "generator/segment/filters.hpp"
+#include "model/error.hpp"
+#include "model/recipe.hpp"
+#include "model/text.hpp"
+#include "validation/contour_fit.hpp"
+#include "validation/mesh_checks.hpp"
+#include "validation/reference_fibers.hpp"
+#include "validation/report_html.hpp"
+
+namespace heart::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int validation_failed = 3;
+
+std::map<std::string, TetMesh> read_meshes(const std::string& bundle) {
+  std::map<std::string, TetMesh> meshes;
+  for (const auto& [name, entry] : exporters::read_manifest(bundle).meshes)
+    meshes[name] = exporters::read_mesh(bundle, name);
+  return meshes;
+}
+
+std::string bound_text(const ReportRow& row) {
+  std::string text;
+  if (row.at_least) text += fmt::format(" >= {:g}", *row.at_least);
+  if (row.at_most) text += fmt::format(" <= {:g}", *row.at_most);
+  return text;
+}
+
+void print_row(const ReportRow& row) {
+  fmt::print("{:<6} {:<38} {:<34} {:>12.4g} {:<6}{}\n",
+             !row.judges()  ? ""
+             : row.passed() ? "ok"
+                            : "FAILED",
+             row.scope, row.metric, row.value, row.unit == "1" ? "" : row.unit, bound_text(row));
+}
+
+/// Every row, or those that failed, and the count.
+void print_rows(const Report& report, bool all_rows) {
+  int judged = 0, passed = 0;
+  for (const auto& row : report) {
+    judged += row.judges();
+    passed += row.judges() && row.passed();
+    if (all_rows || !row.passed()) print_row(row);
+  }
+  fmt::print("{} of {} checks passed\n", passed, judged);
+}
+
+void append(Report& report, const Report& rows) { report.insert(report.end(), rows.begin(), rows.end()); }
+
+validation::ReferenceFibers read_reference_fibers(const std::string& folder) {
+  const auto component = [&](const char* name) { return adapters::read_image((fs::path(folder) / name).string()); };
+  return {component("fiber_x.nrrd"), component("fiber_y.nrrd"), component("fiber_z.nrrd")};
+}
+
+/// The part of a bundle's metrics that needs the build's inputs, which `validate` does not have.
+Report kept_rows(const Report& report, const std::string& group) {
+  Report kept;
+  for (const auto& row : report)
+    if (row.group == group) kept.push_back(row);
+  return kept;
+}
+
+ValidationSettings bundle_bounds(const std::string& bundle) {
+  return read_recipe((fs::path(bundle) / "recipe.toml").string()).validation;
+}
+
+}  // namespace
+
+int build_command(const BuildCommand& command, const parallel::Comm& comm) {
+  Recipe recipe;
+  BuildOptions options;
+  // Every rank reads the recipe, so that all fail or go on together.
+  recipe = read_recipe(command.recipe);
+  if (!command.ct.empty()) recipe.input.ct = command.ct;
+  if (!command.labels.empty()) recipe.input.labels = command.labels;
+  if (!command.atlas.empty()) recipe.input.atlas = command.atlas;
+  if (!command.landmarks.empty()) recipe.landmarks = read_landmarks(command.landmarks);
+  options.output = fs::path(command.output).lexically_normal();
+  if (options.output.filename().empty()) options.output = options.output.parent_path();
+  if (!command.no_cache) options.cache_folder = fs::path(options.output.string() + ".cache");
+  options.replace = command.force;
+  options.progress = !command.quiet;
+  const BuildResult result = build(recipe, options, comm);
+  if (!comm.is_root()) return 0;
+  const bool passed = all_passed(result.metrics);
+  if (command.json) {
+    fmt::print("{}\n", Json{{"bundle", command.output}, {"content_id", result.content_id}, {"passed", passed}}.dump(1));
+    return 0;
+  }
+  print_rows(result.metrics, false);
+  fmt::print("{}\nbundle      {}\ncontent id  {}\nreport      {}\n", result.log, command.output, result.content_id,
+             (options.output / "validation" / "report.html").string());
+  return 0;
+}
+
+int validate_command(const ValidateCommand& command) {
+  const auto problems = exporters::verify_bundle(command.bundle);
+  if (!problems.empty())
+    throw UserError(fmt::format("{}: {}", problems.front().file, problems.front().what), command.bundle,
+                    "heartgen verify lists every damaged file");
+  const auto meshes = read_meshes(command.bundle);
+  Report report = kept_rows(exporters::read_metrics(command.bundle), "labels");
+  append(report, certificate(meshes, bundle_bounds(command.bundle)));
+  if (!command.reference_labels.empty())
+    append(report, validation::compare_labels(exporters::read_labels(command.bundle),
+                                              adapters::read_labels(command.reference_labels)));
+  if (!command.reference_fibers.empty() && meshes.contains("myocardium"))
+    append(report,
+           validation::compare_fibers(meshes.at("myocardium"), read_reference_fibers(command.reference_fibers)));
+  const bool passed = all_passed(report);
+  if (command.json)
+    fmt::print("{}\n", exporters::report_json(report));
+  else
+    print_rows(report, command.all_rows);
+  // What the user asked to compare is shown without --all.
+  if (!command.json && !command.all_rows)
+    for (const auto& row : report)
+      if (row.metric == "dice" || row.metric.starts_with("axis_error") || row.metric == "surface_distance_mean")
+        print_row(row);
+  return passed ? 0 : validation_failed;
+}
+
+int export_command(const ExportCommand& command) {
+  const auto manifest = exporters::read_manifest(command.bundle);
+  if (!command.mesh.empty() && !manifest.meshes.contains(command.mesh)) {
+    std::vector<std::string> names;
+    for (const auto& [name, entry] : manifest.meshes) names.push_back(name);
+    throw UserError(fmt::format("has no mesh \"{}\"", command.mesh), command.bundle,
+                    fmt::format("its meshes: {}", fmt::join(names, ", ")));
+  }
+  for (const auto& format : command.formats) exporters::find_format(format);  // before anything is written
+  Json files = Json::array();
+  for (const auto& [name, entry] : manifest.meshes) {
+    if (!command.mesh.empty() && name != command.mesh) continue;
+    const TetMesh mesh = exporters::read_mesh(command.bundle, name);
+    for (const auto& format : command.formats)
+      for (const auto& file :
+           exporters::export_mesh(format, mesh, name, fs::path(command.output) / format, command.unit)) {
+        files.push_back(file.string());
+        if (!command.json) fmt::print("{}\n", file.string());
+      }
+  }
+  if (command.json) fmt::print("{}\n", files.dump(1));
+  return 0;
+}
+
+int verify_command(const std::string& bundle, bool json) {
+  const auto problems = exporters::verify_bundle(bundle);
+  if (json) {
+    Json list = Json::array();
+    for (const auto& problem : problems) list.push_back({{"file", problem.file}, {"problem", problem.what}});
+    fmt::print("{}\n", list.dump(1));
+  } else if (problems.empty()) {
+    fmt::print("{} is whole: content id {}\n", bundle, exporters::read_manifest(bundle).content_id);
+  } else {
+    for (const auto& problem : problems) fmt::print("{}: {}\n", problem.file, problem.what);
+  }
+  if (!problems.empty())
+    throw UserError(fmt::format("{} of its files do not agree with the manifest", problems.size()), bundle,
+                    "copy or download the bundle again");
+  return 0;
+}
+
+int pack_command(const std::string& bundle, const std::string& archive) {
+  exporters::pack_bundle(bundle, archive);
+  fmt::print("{}\n", archive);
+  return 0;
+}
+
+int unpack_command(const std::string& archive, const std::string& folder) {
+  exporters::unpack_bundle(archive, folder);
+  fmt::print("{}\n", folder);
+  return 0;
+}
+
+int info_command(const std::string& bundle, bool json) {
+  const auto manifest = exporters::read_manifest(bundle);
+  if (json) {
+    Json out{{"name", manifest.name}, {"version", manifest.version}, {"content_id", manifest.content_id}};
+    for (const auto& [name, mesh] : manifest.meshes)
+      out["meshes"][name] = {{"nodes", mesh.nodes},
+                             {"cells", mesh.cells},
+                             {"regions", mesh.regions},
+                             {"surfaces", mesh.surfaces},
+                             {"rims", mesh.rims}};
+    fmt::print("{}\n", out.dump(1));
+    return 0;
+  }
+  fmt::print("{} {}  content id {}\nunit {}, frame {}, fibres: {}\n", manifest.name, manifest.version,
+             manifest.content_id, manifest.unit, manifest.frame, manifest.atlas.empty() ? "none" : manifest.atlas);
+  for (const auto& [name, mesh] : manifest.meshes) {
+    fmt::print("\n{}: {} nodes, {} cells, {} labelled faces\n", name, mesh.nodes, mesh.cells, mesh.faces);
+    for (const auto& [region, cells] : mesh.regions) fmt::print("  region  {:<28} {:>9} cells\n", region, cells);
+    for (const auto& [surface, faces] : mesh.surfaces) fmt::print("  surface {:<28} {:>9} faces\n", surface, faces);
+    for (const auto& [rim, nodes] : mesh.rims) fmt::print("  rim     {:<28} {:>9} nodes\n", rim, nodes);
+  }
+  return 0;
+}
+
+int report_command(const std::string& bundle, const std::string& html, const std::string& ct_path) {
+  const auto manifest = exporters::read_manifest(bundle);
+  const auto meshes = read_meshes(bundle);
+  const LabelVolume labels = exporters::read_labels(bundle);
+  const Report metrics = exporters::read_metrics(bundle);
+  const CtVolume ct = ct_path.empty() ? CtVolume{} : adapters::read_ct(ct_path);
+  validation::ReportInput input;
+  input.name = manifest.name;
+  input.version = manifest.version;
+  input.ct = ct_path.empty() ? nullptr : &ct;
+  input.labels = &labels;
+  input.meshes = &meshes;
+  input.report = &metrics;
+  input.atlas_name = manifest.atlas;
+  for (const auto& file : manifest.inputs) input.inputs.emplace_back(file.name, file.sha256);
+  for (const auto& [name, version] : manifest.tools) input.tools.emplace_back(name, version);
+  if (ct_path.empty()) input.remarks.emplace_back("Made from the bundle alone: the CT is not part of it.");
+  write_text(html, validation::make_report(input));
+  fmt::print("{}\n", html);
+  return 0;
+}
+
+int filter_command(const FilterCommand& command, const parallel::Comm& comm) {
+  std::map<std::string, double> parameters;
+  for (std::size_t i = 0; i < command.parameters.size(); i += 2) {
+    const std::string& key = command.parameters[i];
+    if (!key.starts_with("--") || i + 1 == command.parameters.size())
+      throw UserError(fmt::format("\"{}\" is not a parameter with a value", key), "filter " + command.name,
+                      "write --name value");
+    parameters[key.substr(2)] = parse_number(command.parameters[i + 1], "filter " + command.name + " " + key);
+  }
+  const auto image = parallel::run_on_root(comm, [&] { return adapters::read_image(command.input); });
+  const auto result = segment::apply_filter(command.name, image, parameters, comm);
+  parallel::run_on_root(comm, [&] { adapters::write_volume(command.output, result); });
+  return 0;
+}
+
+std::string filter_help() {
+  std::string text = "Filters and their parameters:\n";
+  for (const auto& filter : segment::filters()) {
+    text += fmt::format("  {:<20} {}\n", filter.name, filter.help);
+    for (const auto& parameter : filter.parameters)
+      text += fmt::format("      --{:<16} {} (default {})\n", parameter.name, parameter.help, parameter.default_value);
+  }
+  return text;
+}
+
+int mesh_command(const MeshCommand& command) {
+  MeshSettings settings;
+  if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
+  const TetMesh mesh = mesh::mesh_labels(adapters::read_labels(command.labels), settings);
+  adapters::write_vtu(command.output, mesh);
+  fs::path faces(command.output);
+  adapters::write_vtp(faces.replace_extension(".vtp"), mesh);
+  const Report report = validation::check_mesh(fs::path(command.output).stem().string(), mesh, {});
+  if (command.json)
+    fmt::print("{}\n", exporters::report_json(report));
+  else {
+    fmt::print("{}: {} nodes, {} cells; faces in {}\n", command.output, mesh.nodes_mm.size(), mesh.cells.size(),
+               faces.string());
+    print_rows(report, false);
+  }
+  return all_passed(report) ? 0 : validation_failed;
+}
+
+int landmarks_command(const std::string& ct, const std::string& output, bool json) {
+  const auto found = landmarks::find_landmarks(adapters::read_ct(ct));
+  const std::string text = write_landmarks(found.landmarks);
+  if (!output.empty()) write_text(output, text);
+  if (json) {
+    Json out = Json::parse(text);
+    out["confidence"] = found.confidence;
+    out["warnings"] = found.warnings;
+    out["volumes_ml"] = found.volumes_ml;
+    out["long_axis"] = {found.long_axis.x, found.long_axis.y, found.long_axis.z};
+    fmt::print("{}\n", out.dump(1));
+    return 0;
+  }
+  fmt::print("confidence {:.2f}   (positions in LPS mm)\n", found.confidence);
+  for (const auto& [name, p] : found.landmarks.seeds_mm) {
+    const auto volume = found.volumes_ml.find(name);
+    fmt::print("seed   {:<18} {:8.1f} {:8.1f} {:8.1f}", name, p.x, p.y, p.z);
+    fmt::print("{}\n", volume == found.volumes_ml.end() ? "" : fmt::format("   pool of {:.0f} ml", volume->second));
+  }
+  for (const auto& [name, valve] : found.landmarks.valves)
+    fmt::print("valve  {:<18} {:8.1f} {:8.1f} {:8.1f}   normal {:5.2f} {:5.2f} {:5.2f}   diameter {:.0f} mm\n", name,
+               valve.center_mm.x, valve.center_mm.y, valve.center_mm.z, valve.normal.x, valve.normal.y, valve.normal.z,
+               2 * valve.radius_mm);
+  fmt::print("long axis of the left ventricle, base to apex: {:.3f} {:.3f} {:.3f}\n", found.long_axis.x,
+             found.long_axis.y, found.long_axis.z);
+  for (const auto& warning : found.warnings) fmt::print("warning: {}\n", warning);
+  if (!output.empty()) fmt::print("{}\n", output);
+  return 0;
+}
+
+}  // namespace heart::app

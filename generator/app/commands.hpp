@@ -1,0 +1,67 @@
+// One function per subcommand. Each returns the exit code: 0 done, 3 validation below its thresholds. User mistakes
+// are thrown as UserError (2). Results go to standard output, as text or, with `json`, as one JSON document.
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "generator/parallel/comm.hpp"
+#include "model/grid.hpp"
+
+namespace heart::app {
+
+struct BuildCommand {
+  std::string recipe, ct, labels, atlas, landmarks, output;
+  bool no_cache = false, force = false, json = false, quiet = false;
+};
+/// @collective
+int build_command(const BuildCommand& command, const parallel::Comm& comm);
+
+struct ValidateCommand {
+  std::string bundle, reference_labels, reference_fibers;
+  bool json = false, all_rows = false;
+};
+int validate_command(const ValidateCommand& command);
+
+struct ExportCommand {
+  std::string bundle, output, mesh, unit;
+  std::vector<std::string> formats;
+  bool json = false;
+};
+int export_command(const ExportCommand& command);
+
+int verify_command(const std::string& bundle, bool json);
+int pack_command(const std::string& bundle, const std::string& archive);
+int unpack_command(const std::string& archive, const std::string& folder);
+int info_command(const std::string& bundle, bool json);
+int report_command(const std::string& bundle, const std::string& html, const std::string& ct);
+
+struct FilterCommand {
+  std::string name, input, output;
+  std::vector<std::string> parameters;  ///< "--key", "value" pairs as they stood on the command line
+};
+/// @collective
+int filter_command(const FilterCommand& command, const parallel::Comm& comm);
+std::string filter_help();
+
+struct MeshCommand {
+  std::string labels, output;
+  std::optional<double> edge_mm;
+  bool json = false;
+};
+int mesh_command(const MeshCommand& command);
+
+/// Prints what was found; writes the landmarks file when `output` is given.
+int landmarks_command(const std::string& ct, const std::string& output, bool json);
+
+struct PhantomCommand {
+  std::string folder;
+  Index3 size{256, 256, 160};
+  Vec3 spacing_mm{1.4, 1.4, 1.9};
+  int variant = 0;
+  double noise_hu = 22;
+};
+int phantom_command(const PhantomCommand& command);
+
+}  // namespace heart::app

@@ -1,0 +1,81 @@
+// `heartgen phantom`: the analytic data set on disk, with a recipe that builds it.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "datasets/phantom/phantom.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "generator/adapters/vtk_io.hpp"
+#include "generator/app/commands.hpp"
+#include "model/recipe.hpp"
+#include "model/text.hpp"
+
+namespace heart::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+adapters::UnstructuredData atlas_file(const TetMesh& atlas) {
+  adapters::UnstructuredData data;
+  data.points = atlas.nodes_mm;
+  data.tets = atlas.cells;
+  data.point_vectors["fibers"] = atlas.node_fibers.fiber;
+  return data;
+}
+
+void write_truth(const fs::path& folder, const datasets::Phantom& phantom) {
+  fs::create_directories(folder);
+  adapters::write_volume((folder / "labels.nii.gz").string(), phantom.labels);
+  adapters::write_volume((folder / "fiber_x.nrrd").string(), phantom.fibers.x);
+  adapters::write_volume((folder / "fiber_y.nrrd").string(), phantom.fibers.y);
+  adapters::write_volume((folder / "fiber_z.nrrd").string(), phantom.fibers.z);
+}
+
+/// The other patient's torso and the carotid: images, truth and landmarks of their own.
+void write_companions(const fs::path& folder, const datasets::Phantom& phantom) {
+  adapters::write_volume((folder / "torso_mr.nii.gz").string(), phantom.torso_mr);
+  adapters::write_volume((folder / "truth" / "torso_mr_labels.nii.gz").string(), phantom.torso_mr_labels);
+  write_text(folder / "torso_mr_landmarks.json", write_landmarks(phantom.torso_mr_landmarks));
+  adapters::write_volume((folder / "carotid.nii.gz").string(), phantom.carotid);
+  adapters::write_volume((folder / "truth" / "carotid_labels.nii.gz").string(), phantom.carotid_labels);
+}
+
+std::string recipe_text(int variant) {
+  return fmt::format(
+      "# Builds the phantom in this folder: heartgen build recipe.toml --output bundle\n"
+      "name = \"phantom-{}\"\n"
+      "version = \"1.0.0\"\n"
+      "author = \"the heartgen developers\"\n"
+      "synthetic_image = true\n\n"
+      "[input]\n"
+      "ct = \"ct.nii.gz\"\n"
+      "atlas = \"atlas.vtk\"\n"
+      "carotid = \"carotid.nii.gz\"\n"
+      "landmarks = \"landmarks.json\"\n",
+      variant);
+}
+
+}  // namespace
+
+int phantom_command(const PhantomCommand& command) {
+  datasets::PhantomSettings settings;
+  settings.size = command.size;
+  settings.spacing_mm = command.spacing_mm;
+  settings.variant = command.variant;
+  settings.noise_hu = command.noise_hu;
+  const datasets::Phantom phantom = datasets::make_phantom(settings);
+  const fs::path folder = command.folder;
+  write_truth(folder / "truth", phantom);
+  write_companions(folder, phantom);
+  Landmarks landmarks = phantom.landmarks;
+  landmarks.seeds_mm["carotid"] = phantom.carotid_seed_mm;  // the recipe's carotid is the angiogram's
+  write_text(folder / "landmarks.json", write_landmarks(landmarks));
+  adapters::write_unstructured(folder / "atlas.vtk", atlas_file(datasets::make_standin_atlas()));
+  write_text(folder / "recipe.toml", recipe_text(command.variant));
+  adapters::write_volume((folder / "ct.nii.gz").string(), phantom.ct);
+  fmt::print("{}\nbuild it with: heartgen build {} --output {}\n", folder.string(), (folder / "recipe.toml").string(),
+             (folder.parent_path() / "bundle").string());
+  return 0;
+}
+
+}  // namespace heart::app

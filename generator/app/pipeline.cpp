@@ -1,0 +1,373 @@
+#include "generator/app/pipeline.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "datasets/phantom/phantom.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "generator/app/run.hpp"
+#include "generator/app/versions.hpp"
+#include "generator/atlas/atlas.hpp"
+#include "generator/fibers/carry.hpp"
+#include "generator/landmarks/landmarks.hpp"
+#include "generator/mesh/mesh_heart.hpp"
+#include "generator/mesh/mesh_vessel.hpp"
+#include "generator/segment/body.hpp"
+#include "generator/segment/chambers.hpp"
+#include "generator/segment/diffusion.hpp"
+#include "generator/segment/epicardium.hpp"
+#include "generator/segment/fuse_labels.hpp"
+#include "generator/segment/hierarchy.hpp"
+#include "generator/segment/trachea.hpp"
+#include "generator/segment/vessel.hpp"
+#include "model/error.hpp"
+#include "validation/contour_fit.hpp"
+#include "validation/fiber_checks.hpp"
+#include "validation/label_checks.hpp"
+#include "validation/mesh_checks.hpp"
+#include "validation/report_html.hpp"
+
+namespace heart::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Meshes = std::map<std::string, TetMesh>;
+
+const std::vector<std::string> mesh_names = {"myocardium", "chambers", "torso", "trachea", "carotid"};
+
+/// What the label map says and where it came from.
+struct Labelling {
+  LabelVolume labels;
+  Mask trachea;
+};
+auto members(Labelling& l) { return std::tie(l.labels, l.trachea); }
+
+bool wants(const Recipe& recipe, const std::string& mesh) {
+  return std::find(recipe.mesh.meshes.begin(), recipe.mesh.meshes.end(), mesh) != recipe.mesh.meshes.end();
+}
+
+void check_recipe(const Recipe& recipe, const BuildOptions& options) {
+  if (recipe.input.ct.empty()) throw UserError("no CT given", "input.ct", "name it in the recipe or with --ct");
+  for (const auto& mesh : recipe.mesh.meshes)
+    if (std::find(mesh_names.begin(), mesh_names.end(), mesh) == mesh_names.end())
+      throw UserError(fmt::format("unknown mesh \"{}\"", mesh), "mesh.meshes",
+                      fmt::format("known meshes: {}", fmt::join(mesh_names, ", ")));
+  if (!wants(recipe, "myocardium"))
+    throw UserError("\"myocardium\" is missing: every bundle has it", "mesh.meshes", "add it to the list");
+  InputSettings::describe(
+      [](const char* key, const std::string& path, const char*) {
+        if (!path.empty() && !fs::exists(path))
+          throw UserError("does not exist", path, fmt::format("check input.{}", key));
+      },
+      recipe.input);
+  if (fs::exists(options.output) && !options.replace)
+    throw UserError("already exists", options.output.string(), "choose another --output, or replace it with --force");
+}
+
+Volume<float> as_float(const CtVolume& ct) {
+  Volume<float> image(ct.grid);
+  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
+  return image;
+}
+
+LabelVolume given_labels(const std::string& path) {
+  LabelVolume labels = adapters::read_labels(path);
+  const auto largest = *std::max_element(labels.voxels.begin(), labels.voxels.end());
+  if (largest > tag(Region::torso))
+    throw UserError(fmt::format("holds the label {}, the largest known one is {}", largest, tag(Region::torso)), path,
+                    "use the tags of a bundle's manifest");
+  return labels;
+}
+
+Mask region_mask(const LabelVolume& labels, Region region) {
+  Mask mask(labels.grid);
+  std::transform(labels.voxels.begin(), labels.voxels.end(), mask.voxels.begin(),
+                 [&](std::uint8_t label) { return static_cast<std::uint8_t>(label == tag(region)); });
+  return mask;
+}
+
+bool chambers_are_marked(const Landmarks& landmarks) {
+  for (const char* chamber : {"lv_blood", "rv_blood", "la_blood", "ra_blood"})
+    if (!landmarks.seeds_mm.contains(chamber)) return false;
+  return true;
+}
+
+/// The recipe's landmarks, completed by those found in the CT where the recipe does not mark all four chambers.
+/// What the recipe gives wins. @collective
+Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
+                             std::vector<std::string>& remarks) {
+  if (chambers_are_marked(given)) return given;
+  const auto found = run.root_stage("landmarks", {ct.key}, [&] { return landmarks::find_landmarks(*ct); });
+  Landmarks all = given;
+  all.seeds_mm.insert(found->landmarks.seeds_mm.begin(), found->landmarks.seeds_mm.end());
+  all.valves.insert(found->landmarks.valves.begin(), found->landmarks.valves.end());
+  if (!all.lv_apex_mm) all.lv_apex_mm = found->landmarks.lv_apex_mm;
+  remarks.push_back(
+      fmt::format("Seeds and valves were found automatically, with a confidence of {:.2f}.", found->confidence));
+  for (const auto& warning : found->warnings) remarks.push_back("Automatic landmarks: " + warning);
+  std::string text = write_landmarks(all);  // what the root found, for every rank
+  parallel::broadcast(run.comm, text);
+  return parse_landmarks(text, "automatic landmarks");
+}
+
+/// The image stages: CT to label map. @collective
+Staged<Labelling> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe) {
+  const auto smooth = run.stage("denoise", {ct.key, recipe_section(recipe, "denoise")},
+                                [&] { return segment::perona_malik(as_float(*ct), recipe.denoise, run.comm); });
+  const auto tree = run.stage("segment", {smooth.key, recipe_section(recipe, "segmentation")},
+                              [&] { return segment::segment(*smooth, recipe.segmentation, run.comm); });
+  const auto chambers =
+      run.root_stage("chambers", {tree.key, recipe_section(recipe, "landmarks"), recipe_section(recipe, "chambers")},
+                     [&] { return segment::split_chambers(*ct, *tree, recipe.landmarks, recipe.chambers); });
+  const auto walls = run.stage("epicardium", {chambers.key, recipe_section(recipe, "epicardium")}, [&] {
+    return segment::epicardium(*ct, *chambers, *tree, recipe.landmarks, recipe.epicardium, run.comm);
+  });
+  const auto body = run.root_stage("body", {chambers.key}, [&] {
+    return segment::segment_body(*ct, *tree, *chambers, recipe.landmarks, recipe.chambers);
+  });
+  return run.root_stage("labels", {walls.key, body.key}, [&] {
+    Labelling result;
+    result.trachea = segment::segment_trachea(*ct, *tree, recipe.landmarks);
+    result.labels = segment::fuse_labels(*chambers, walls->walls, *body, result.trachea);
+    return result;
+  });
+}
+
+Staged<Labelling> read_given_labels(Run& run, const Recipe& recipe, const std::string& hash) {
+  return run.root_stage("labels", {hash}, [&] {
+    Labelling result;
+    result.labels = given_labels(recipe.input.labels);
+    result.trachea = region_mask(result.labels, Region::trachea);
+    return result;
+  });
+}
+
+bool has_voxels(const Mask& mask) {
+  return std::any_of(mask.voxels.begin(), mask.voxels.end(), [](std::uint8_t v) { return v != 0; });
+}
+
+Vec3 carotid_seed(const Recipe& recipe) {
+  const auto seed = recipe.landmarks.seeds_mm.find("carotid");
+  if (seed == recipe.landmarks.seeds_mm.end())
+    throw UserError("no seed for the carotid", "landmarks.seeds_mm", "give a point in its lumen as \"carotid\"");
+  return seed->second;
+}
+
+Meshes make_meshes(const Recipe& recipe, const Labelling& labelling) {
+  Meshes meshes = mesh::mesh_heart(labelling.labels, recipe.mesh);
+  if (wants(recipe, "trachea") && has_voxels(labelling.trachea))
+    meshes["trachea"] = mesh::mesh_vessel(labelling.trachea, Region::trachea, recipe.mesh);
+  if (wants(recipe, "carotid") && !recipe.input.carotid.empty()) {
+    const Mask lumen = segment::segment_vessel(adapters::read_ct(recipe.input.carotid), carotid_seed(recipe));
+    meshes["carotid"] = mesh::mesh_vessel(lumen, Region::carotid, recipe.mesh);
+  }
+  return meshes;
+}
+
+atlas::FiberAtlas read_atlas(const Recipe& recipe) {
+  if (!recipe.input.atlas.empty()) return atlas::read_fiber_atlas(recipe.input.atlas);
+  const TetMesh standin = datasets::make_standin_atlas();
+  return atlas::make_fiber_atlas("stand-in atlas", standin.nodes_mm, standin.cells, standin.node_fibers.fiber);
+}
+
+Meshes with_fibers(Meshes meshes, const fibers::FiberResult& result) {
+  TetMesh& myocardium = meshes.at("myocardium");
+  myocardium.node_fibers = result.node;
+  myocardium.cell_fibers = result.cell;
+  myocardium.fiber_source = result.source;
+  return meshes;
+}
+
+std::vector<std::string> all_remarks(const Recipe& recipe, std::vector<std::string> lines, const Meshes& meshes,
+                                     const fibers::FiberResult& fibers) {
+  lines.insert(lines.end(), fibers.warnings.begin(), fibers.warnings.end());
+  if (recipe.input.atlas.empty())
+    lines.emplace_back("The fibres come from the built-in stand-in atlas, a synthetic heart, not from measurements.");
+  for (const auto& name : recipe.mesh.meshes)
+    if (!meshes.contains(name))
+      lines.push_back(fmt::format("The recipe asks for the mesh \"{}\", but the input does not contain it.", name));
+  return lines;
+}
+
+std::vector<Region> needed_regions() {
+  return {Region::lv_myocardium, Region::rv_myocardium, Region::lv_blood, Region::rv_blood};
+}
+
+Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, const Meshes& meshes,
+                   const fibers::FiberResult& fibers) {
+  Report report = validation::check_labels(labels, needed_regions());
+  for (const auto& [name, mesh] : meshes) {
+    const Report rows = validation::check_mesh(name, mesh, recipe.validation);
+    report.insert(report.end(), rows.begin(), rows.end());
+  }
+  const Report fiber_rows = validation::check_fibers(
+      meshes.at("myocardium"), {fibers.min_jacobian, fibers.affine_rms_mm, fibers.atlas_overlap}, recipe.validation);
+  report.insert(report.end(), fiber_rows.begin(), fiber_rows.end());
+  const Report fit_rows = validation::check_contour_fit(meshes.at("myocardium"), ct);
+  report.insert(report.end(), fit_rows.begin(), fit_rows.end());
+  return report;
+}
+
+std::vector<exporters::BundleInput> hash_inputs(const Recipe& recipe) {
+  std::vector<exporters::BundleInput> inputs;
+  InputSettings::describe(
+      [&](const char* key, const std::string& path, const char*) {
+        if (!path.empty()) inputs.push_back(hash_input(key, path));
+      },
+      recipe.input);
+  return inputs;
+}
+
+std::string hash_of(const std::vector<exporters::BundleInput>& inputs, const std::string& role) {
+  for (const auto& input : inputs)
+    if (input.name.starts_with(role + ": ")) return input.sha256;
+  return "none";
+}
+
+std::string time_log(const Run& run) {
+  std::string text;
+  double total = 0;
+  for (const auto& time : run.times) {
+    text += fmt::format("{:<12} {:8.2f} s{}\n", time.name, time.seconds, time.cached ? "  from the cache" : "");
+    total += time.seconds;
+  }
+  return text + fmt::format("{:<12} {:8.2f} s  on {} ranks\n", "all", total, run.comm.size);
+}
+
+validation::ReportInput report_input(const Recipe& recipe, const exporters::Bundle& bundle, const CtVolume& ct,
+                                     const std::vector<std::string>& lines) {
+  validation::ReportInput input;
+  input.name = recipe.name;
+  input.version = recipe.version;
+  input.ct = &ct;
+  input.labels = &bundle.labels;
+  input.meshes = &bundle.meshes;
+  input.report = &bundle.metrics;
+  input.atlas_name = bundle.atlas;
+  input.atlas_is_standin = recipe.input.atlas.empty();
+  input.image_is_synthetic = recipe.synthetic_image;
+  for (const auto& file : bundle.inputs) input.inputs.emplace_back(file.name, file.sha256);
+  for (const auto& [name, version] : bundle.tools) input.tools.emplace_back(name, version);
+  input.remarks = lines;
+  return input;
+}
+
+std::string describe_atlas(const Recipe& recipe) {
+  if (recipe.input.atlas.empty()) return "heartgen's built-in stand-in atlas (synthetic)";
+  return fs::path(recipe.input.atlas).filename().string();
+}
+
+exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, Meshes meshes,
+                              const fibers::FiberResult& fibers, std::vector<exporters::BundleInput> inputs,
+                              std::vector<std::string> remarks) {
+  exporters::Bundle bundle;
+  bundle.name = recipe.name;
+  bundle.version = recipe.version;
+  bundle.license = recipe.license;
+  bundle.author = recipe.author;
+  bundle.date_published = recipe.date_published;
+  bundle.recipe = write_recipe(recipe, true);
+  bundle.atlas = describe_atlas(recipe);
+  bundle.labels = labels;
+  bundle.inputs = std::move(inputs);
+  bundle.tools = tool_versions();
+  const auto lines = all_remarks(recipe, std::move(remarks), meshes, fibers);
+  bundle.meshes = with_fibers(std::move(meshes), fibers);
+  bundle.metrics = all_metrics(recipe, ct, labels, bundle.meshes, fibers);
+  bundle.report_html = validation::make_report(report_input(recipe, bundle, ct, lines));
+  return bundle;
+}
+
+std::vector<StagePlan> stage_plan(const Recipe& recipe) {
+  std::vector<StagePlan> plan = {{"read", 1}};
+  if (!chambers_are_marked(recipe.landmarks)) plan.push_back({"landmarks", 8});
+  if (recipe.input.labels.empty())
+    for (const StagePlan& stage :
+         std::vector<StagePlan>{{"denoise", 2}, {"segment", 8}, {"chambers", 8}, {"epicardium", 10}, {"body", 5}})
+      plan.push_back(stage);
+  for (const StagePlan& stage : std::vector<StagePlan>{{"labels", 3}, {"mesh", 25}, {"fibers", 20}, {"bundle", 8}})
+    plan.push_back(stage);
+  return plan;
+}
+
+}  // namespace
+
+exporters::BundleInput hash_input(const std::string& role, const std::string& path) {
+  exporters::BundleInput input{role + ": " + fs::path(path).filename().string(), "", 0};
+  if (!fs::is_directory(path)) {
+    input.sha256 = exporters::sha256_of_file(path);
+    input.bytes = static_cast<std::int64_t>(fs::file_size(path));
+    return input;
+  }
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(path))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::string list;
+  for (const auto& file : files) {
+    list += file.filename().string() + " " + exporters::sha256_of_file(file) + "\n";
+    input.bytes += static_cast<std::int64_t>(fs::file_size(file));
+  }
+  input.sha256 = exporters::sha256_of_text(list);
+  return input;
+}
+
+BuildResult build(const Recipe& given, const BuildOptions& options, const parallel::Comm& comm) {
+  Recipe recipe = given;
+  std::vector<exporters::BundleInput> inputs;
+  std::vector<std::string> remarks;
+  Run run;
+  run.comm = comm;
+  run.cache_folder = options.cache_folder;
+  run.progress = make_progress(stage_plan(recipe), options.progress && comm.is_root());
+  parallel::run_on_root(comm, [&] {
+    check_recipe(recipe, options);
+    inputs = hash_inputs(recipe);
+    run.program_hash = exporters::sha256_of_file("/proc/self/exe");
+  });
+
+  const auto ct = run.root_stage("read", {hash_of(inputs, "ct")}, [&] { return adapters::read_ct(recipe.input.ct); });
+  recipe.landmarks = complete_landmarks(run, ct, recipe.landmarks, remarks);
+  const auto labelling = recipe.input.labels.empty() ? label_ct(run, ct, recipe)
+                                                     : read_given_labels(run, recipe, hash_of(inputs, "labels"));
+  const auto meshes =
+      run.root_stage("mesh", {labelling.key, hash_of(inputs, "carotid"), recipe_section(recipe, "mesh")},
+                     [&] { return make_meshes(recipe, *labelling); });
+  const auto fibers = run.root_stage(
+      "fibers",
+      {meshes.key, hash_of(inputs, "atlas"), recipe_section(recipe, "landmarks"), recipe_section(recipe, "fibers")},
+      [&] {
+        return fibers::carry_fibers(meshes->at("myocardium"), labelling->labels, recipe.landmarks, read_atlas(recipe),
+                                    recipe.fibers);
+      });
+  BuildResult result;
+  run.cache_folder.clear();  // the bundle itself is on disk: no second copy
+  const auto content_id = run.root_stage("bundle", {}, [&] {
+    auto bundle = make_bundle(recipe, *ct, labelling->labels, *meshes, *fibers, inputs, remarks);
+    bundle.logs["build.log"] = time_log(run);
+    result.metrics = bundle.metrics;
+    return exporters::write_bundle(bundle, options.output,
+                                   options.replace ? exporters::Existing::replace : exporters::Existing::refuse);
+  });
+  finish(run.progress);
+  result.content_id = *content_id;
+  result.log = time_log(run);
+  return result;
+}
+
+Report certificate(const Meshes& meshes, const ValidationSettings& settings) {
+  Report report;
+  for (const auto& [name, mesh] : meshes) {
+    const Report rows = validation::check_mesh(name, mesh, settings);
+    report.insert(report.end(), rows.begin(), rows.end());
+  }
+  const auto myocardium = meshes.find("myocardium");
+  if (myocardium != meshes.end()) {
+    const Report rows = validation::check_fibers(myocardium->second, {}, settings);
+    report.insert(report.end(), rows.begin(), rows.end());
+  }
+  return report;
+}
+
+}  // namespace heart::app

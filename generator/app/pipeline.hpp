@@ -1,0 +1,35 @@
+// From a recipe to a model bundle: all stages as one list.
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "exporters/bundle.hpp"
+#include "generator/parallel/comm.hpp"
+#include "model/recipe.hpp"
+
+namespace heart::app {
+
+struct BuildOptions {
+  std::filesystem::path output;        ///< folder of the bundle
+  std::filesystem::path cache_folder;  ///< stage results; empty: no cache
+  bool replace = false;                ///< replace an existing bundle
+  bool progress = true;
+};
+
+struct BuildResult {
+  std::string content_id;
+  Report metrics;
+  std::string log;  ///< seconds per stage
+};
+
+/// Runs every stage and writes the bundle; the result counts on the root. @collective
+/// Throws UserError (on every rank) for bad input; what can be checked is checked before the first stage.
+BuildResult build(const Recipe& recipe, const BuildOptions& options, const parallel::Comm& comm);
+
+/// The certificate of a bundle's meshes as `build` and `validate` make it: mesh and fibre checks.
+Report certificate(const std::map<std::string, TetMesh>& meshes, const ValidationSettings& settings);
+
+/// SHA-256 of a file, or of the sorted list of a folder's files and their hashes; and the total size.
+exporters::BundleInput hash_input(const std::string& role, const std::string& path);
+
+}  // namespace heart::app

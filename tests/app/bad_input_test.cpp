@@ -1,0 +1,120 @@
+// Every mistake of a user ends with exit code 2 and one line that says what, where, and what to do.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "generator/adapters/itk_io.hpp"
+#include "support/data.hpp"
+#include "support/program.hpp"
+
+namespace heart {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BadInput : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = testing::scratch_folder(std::string("bad_input_") +
+                                     ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    Grid grid;
+    grid.size = {24, 24, 24};
+    grid.spacing_mm = {4, 4, 4};
+    CtVolume ct(grid, -1000);
+    for (std::int64_t k = 4; k < 20; ++k)
+      for (std::int64_t j = 4; j < 20; ++j)
+        for (std::int64_t i = 4; i < 20; ++i) ct(i, j, k) = 60;
+    adapters::write_volume((folder / "ct.nii.gz").string(), ct);
+  }
+
+  void write_recipe(const std::string& extra) const {
+    std::ofstream(folder / "recipe.toml") << "[input]\nct = \"ct.nii.gz\"\n" << extra;
+  }
+
+  /// Runs a command that must fail, and checks the form of the failure.
+  std::string message_of(const std::string& arguments) const {
+    const auto result = testing::heartgen(arguments, folder.string());
+    EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.errors;
+    EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
+    EXPECT_FALSE(fs::exists(folder / "out"));
+    return result.errors;
+  }
+
+  void expect_message(const std::string& arguments, const std::vector<std::string>& words) const {
+    const std::string message = message_of(arguments);
+    for (const auto& word : words) EXPECT_NE(message.find(word), std::string::npos) << word << " not in: " << message;
+  }
+
+  fs::path folder;
+};
+
+TEST_F(BadInput, UnknownRecipeKey) {
+  write_recipe("[mesh]\nheart_edge = 2\n");
+  expect_message("build recipe.toml --output out", {"recipe.toml:4", "mesh.heart_edge", "heart_edge_mm"});
+}
+
+TEST_F(BadInput, MissingRecipe) { expect_message("build none.toml --output out", {"none.toml", "does not exist"}); }
+
+TEST_F(BadInput, MissingCt) {
+  write_recipe("[landmarks.seeds_mm]\nlv_blood = [0, 0, 0]\n");
+  expect_message("build recipe.toml --ct none.nii.gz --output out", {"none.nii.gz", "does not exist", "input.ct"});
+}
+
+TEST_F(BadInput, TruncatedCt) {
+  write_recipe("[landmarks.seeds_mm]\nlv_blood = [48, 48, 48]\n");
+  fs::resize_file(folder / "ct.nii.gz", fs::file_size(folder / "ct.nii.gz") / 2);
+  expect_message("build recipe.toml --output out", {"ct.nii.gz", "truncated"});
+}
+
+TEST_F(BadInput, SeedOutsideTheImage) {
+  write_recipe(
+      "[landmarks.seeds_mm]\nlv_blood = [480, 48, 48]\nrv_blood = [40, 40, 40]\nla_blood = [40, 40, 40]\n"
+      "ra_blood = [40, 40, 40]\n");
+  expect_message("build recipe.toml --output out", {"lv_blood", "480", "outside"});
+}
+
+TEST_F(BadInput, NoSeedsInACtWithoutContrast) {
+  write_recipe("");
+  expect_message("build recipe.toml --output out", {"seed"});
+  expect_message("landmarks ct.nii.gz", {"seed"});
+}
+
+TEST_F(BadInput, UnknownMesh) {
+  write_recipe("[landmarks.seeds_mm]\nlv_blood = [0, 0, 0]\n[mesh]\nmeshes = [\"myocardium\", \"heart\"]\n");
+  expect_message("build recipe.toml --output out", {"heart", "chambers"});
+}
+
+TEST_F(BadInput, UnknownSubcommandAndOption) {
+  message_of("biuld recipe.toml");
+  message_of("build recipe.toml --outptu out");
+  message_of("info");
+}
+
+TEST_F(BadInput, NotABundle) {
+  expect_message("info .", {"manifest.json"});
+  message_of("export . --to vtk --output out");
+}
+
+TEST_F(BadInput, UnknownFilterAndParameter) {
+  expect_message("filter heet ct.nii.gz out.nii.gz", {"heet", "heat"});
+  expect_message("filter heat ct.nii.gz out.nii.gz --iteration 3", {"iteration", "iterations"});
+  expect_message("filter heat ct.nii.gz out.nii.gz --iterations many", {"many", "number"});
+}
+
+TEST_F(BadInput, LabelMapWithForeignValues) {
+  Grid grid;
+  grid.size = {8, 8, 8};
+  adapters::write_volume((folder / "labels.nrrd").string(), LabelVolume(grid, 200));
+  message_of("mesh labels.nrrd out");
+}
+
+TEST_F(BadInput, PhantomOutOfRange) {
+  message_of("phantom out --size 2,2,2");
+  message_of("phantom out --spacing 0,1,1");
+  message_of("phantom out --variant -1");
+}
+
+}  // namespace
+}  // namespace heart

@@ -37,6 +37,15 @@ inline Vec3 index_from_lps(const Grid& grid, const Vec3& lps_mm) {
   return {local.x / grid.spacing_mm.x, local.y / grid.spacing_mm.y, local.z / grid.spacing_mm.z};
 }
 
+/// Whether an LPS position lies within the outermost voxel centres.
+inline bool contains_point(const Grid& grid, const Vec3& lps_mm) {
+  const Vec3 index = index_from_lps(grid, lps_mm);
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(index[axis] >= 0 && index[axis] <= static_cast<double>(grid.size[static_cast<std::size_t>(axis)] - 1)))
+      return false;
+  return true;
+}
+
 /// LPS direction (unit length kept) of a vector given along the grid's axes in mm.
 inline Vec3 lps_from_axes(const Grid& grid, const Vec3& axes_mm) { return grid.direction * axes_mm; }
 

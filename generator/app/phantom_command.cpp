@@ -40,6 +40,14 @@ void write_companions(const fs::path& folder, const datasets::Phantom& phantom) 
   adapters::write_volume((folder / "truth" / "carotid_labels.nii.gz").string(), phantom.carotid_labels);
 }
 
+/// Seeds inside the CT's field of view, and the carotid's, which belongs to the angiogram.
+Landmarks visible_landmarks(const datasets::Phantom& phantom) {
+  Landmarks landmarks = phantom.landmarks;
+  std::erase_if(landmarks.seeds_mm, [&](const auto& seed) { return !contains_point(phantom.ct.grid, seed.second); });
+  landmarks.seeds_mm["carotid"] = phantom.carotid_seed_mm;
+  return landmarks;
+}
+
 std::string recipe_text(int variant) {
   return fmt::format(
       "# Builds the phantom in this folder: heartgen build recipe.toml --output bundle\n"
@@ -67,9 +75,7 @@ int phantom_command(const PhantomCommand& command) {
   const fs::path folder = command.folder;
   write_truth(folder / "truth", phantom);
   write_companions(folder, phantom);
-  Landmarks landmarks = phantom.landmarks;
-  landmarks.seeds_mm["carotid"] = phantom.carotid_seed_mm;  // the recipe's carotid is the angiogram's
-  write_text(folder / "landmarks.json", write_landmarks(landmarks));
+  write_text(folder / "landmarks.json", write_landmarks(visible_landmarks(phantom)));
   adapters::write_unstructured(folder / "atlas.vtk", atlas_file(datasets::make_standin_atlas()));
   write_text(folder / "recipe.toml", recipe_text(command.variant));
   adapters::write_volume((folder / "ct.nii.gz").string(), phantom.ct);

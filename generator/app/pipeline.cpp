@@ -93,6 +93,19 @@ bool chambers_are_marked(const Landmarks& landmarks) {
   return true;
 }
 
+/// The carotid's seed belongs to its own angiogram.
+void check_seeds_inside(const Grid& grid, const Landmarks& landmarks) {
+  const Vec3 last{static_cast<double>(grid.size[0] - 1), static_cast<double>(grid.size[1] - 1),
+                  static_cast<double>(grid.size[2] - 1)};
+  const Vec3 low = grid.origin_mm, high = lps_from_index(grid, last);
+  for (const auto& [name, p] : landmarks.seeds_mm)
+    if (name != "carotid" && !contains_point(grid, p))
+      throw UserError(fmt::format("seed {} at ({}, {}, {}) mm lies outside the image", name, p.x, p.y, p.z),
+                      "landmarks",
+                      fmt::format("the image reaches from ({:.1f}, {:.1f}, {:.1f}) to ({:.1f}, {:.1f}, {:.1f}) mm, LPS",
+                                  low.x, low.y, low.z, high.x, high.y, high.z));
+}
+
 /// The recipe's landmarks, completed by those found in the CT where the recipe does not mark all four chambers.
 /// What the recipe gives wins. @collective
 Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
@@ -328,6 +341,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   });
 
   const auto ct = run.root_stage("read", {hash_of(inputs, "ct")}, [&] { return adapters::read_ct(recipe.input.ct); });
+  parallel::run_on_root(comm, [&] { check_seeds_inside(ct->grid, recipe.landmarks); });
   recipe.landmarks = complete_landmarks(run, ct, recipe.landmarks, remarks);
   const auto labelling = recipe.input.labels.empty() ? label_ct(run, ct, recipe)
                                                      : read_given_labels(run, recipe, hash_of(inputs, "labels"));

@@ -52,43 +52,44 @@ class BadInput : public ::testing::Test {
 
 TEST_F(BadInput, UnknownRecipeKey) {
   write_recipe("[mesh]\nheart_edge = 2\n");
-  expect_message("build recipe.toml --output out", {"recipe.toml:4", "mesh.heart_edge", "heart_edge_mm"});
+  expect_message("build --quiet recipe.toml --output out", {"recipe.toml:4", "mesh.heart_edge", "heart_edge_mm"});
 }
 
 TEST_F(BadInput, MissingRecipe) { expect_message("build none.toml --output out", {"none.toml", "does not exist"}); }
 
 TEST_F(BadInput, MissingCt) {
   write_recipe("[landmarks.seeds_mm]\nlv_blood = [0, 0, 0]\n");
-  expect_message("build recipe.toml --ct none.nii.gz --output out", {"none.nii.gz", "does not exist", "input.ct"});
+  expect_message("build --quiet recipe.toml --ct none.nii.gz --output out",
+                 {"none.nii.gz", "does not exist", "input.ct"});
 }
 
 TEST_F(BadInput, TruncatedCt) {
   write_recipe("[landmarks.seeds_mm]\nlv_blood = [48, 48, 48]\n");
   fs::resize_file(folder / "ct.nii.gz", fs::file_size(folder / "ct.nii.gz") / 2);
-  expect_message("build recipe.toml --output out", {"ct.nii.gz", "truncated"});
+  expect_message("build --quiet recipe.toml --output out", {"ct.nii.gz", "truncated"});
 }
 
 TEST_F(BadInput, SeedOutsideTheImage) {
   write_recipe(
       "[landmarks.seeds_mm]\nlv_blood = [480, 48, 48]\nrv_blood = [40, 40, 40]\nla_blood = [40, 40, 40]\n"
       "ra_blood = [40, 40, 40]\n");
-  expect_message("build recipe.toml --output out", {"lv_blood", "480", "outside"});
+  expect_message("build --quiet recipe.toml --output out", {"lv_blood", "480", "outside"});
 }
 
 TEST_F(BadInput, NoSeedsInACtWithoutContrast) {
   write_recipe("");
-  expect_message("build recipe.toml --output out", {"seed"});
+  expect_message("build --quiet recipe.toml --output out", {"seed"});
   expect_message("landmarks ct.nii.gz", {"seed"});
 }
 
 TEST_F(BadInput, UnknownMesh) {
   write_recipe("[landmarks.seeds_mm]\nlv_blood = [0, 0, 0]\n[mesh]\nmeshes = [\"myocardium\", \"heart\"]\n");
-  expect_message("build recipe.toml --output out", {"heart", "chambers"});
+  expect_message("build --quiet recipe.toml --output out", {"heart", "chambers"});
 }
 
 TEST_F(BadInput, UnknownSubcommandAndOption) {
   message_of("biuld recipe.toml");
-  message_of("build recipe.toml --outptu out");
+  message_of("build --quiet recipe.toml --outptu out");
   message_of("info");
 }
 

@@ -1,0 +1,43 @@
+// What to mesh: an implicit domain of several materials made from a label map. Mesher back ends ask only for the
+// region at a point and the wanted edge length there.
+//
+// Each label's indicator is smoothed by a Gaussian, which turns voxel stairs into smooth level sets of "shares" that
+// add up to 1 everywhere. Surfaces are taken in an order that keeps thin walls: first blood (share of the left or of
+// the right side of the heart above a half), then the heart as a whole, and the wall is what lies between. Both faces
+// of a thin wall are level sets of thick bodies, so that smoothing does not thin it. All other regions, and the
+// outside, compete by the largest share.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "model/labels.hpp"
+#include "model/volume.hpp"
+
+namespace heart::mesh {
+
+/// Share of one label in the smoothed map, on the box of voxels where it can differ from 0.
+struct ShareField {
+  std::uint8_t label = 0;  ///< region tag; 0 is the outside
+  Index3 first{0, 0, 0};   ///< voxel of the label map where the box begins
+  Volume<float> share;     ///< in [0, 1], values at voxel centres
+};
+
+struct MeshDomain {
+  Grid grid;                         ///< of the label map
+  std::vector<ShareField> shares;    ///< ascending labels, only those that occur
+  std::vector<std::uint8_t> voxels;  ///< region tag at every voxel centre after smoothing
+  /// Region tag of the cube between voxel centres (i, j, k) and (i+1, j+1, k+1) where it is the same in the whole
+  /// cube, else `mixed`. (Shares are trilinear in a cube: equal corners mean an equal cube.)
+  std::vector<std::uint8_t> cubes;
+  static constexpr std::uint8_t mixed = 255;
+};
+
+/// The smoothing is at least 0.6 voxels along each axis: less would follow the stairs.
+/// Throws UserError for a label that is not in the table of regions, or a map without any label.
+MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm);
+
+/// Region tag at a continuous index of the label map, 0 outside. Beyond the border voxels the map continues as it is
+/// on the border.
+std::uint8_t region_at(const MeshDomain& domain, const Vec3& index);
+
+}  // namespace heart::mesh

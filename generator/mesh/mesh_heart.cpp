@@ -1,0 +1,244 @@
+#include "generator/mesh/mesh_heart.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "generator/adapters/cgal_mesher.hpp"
+#include "generator/mesh/border.hpp"
+#include "generator/mesh/curves.hpp"
+#include "generator/mesh/domain.hpp"
+#include "generator/mesh/improve.hpp"
+#include "generator/mesh/seeds.hpp"
+#include "generator/mesh/settle_labels.hpp"
+#include "generator/mesh/size_field.hpp"
+#include "generator/mesh/surfaces.hpp"
+#include "model/error.hpp"
+
+namespace heart::mesh {
+namespace {
+
+constexpr double layer_edges = 1.0;       // thickness of the layer around the image, in the coarsest edges
+constexpr std::int64_t crumb_cells = 30;  // pieces of a region of so few cells go to their neighbour
+constexpr double seed_distance = 0.4;     // distance between first points, in local edges
+
+constexpr std::array orifices{"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"};
+
+void check_settings(const MeshSettings& s) {
+  for (const auto& [name, value] : {std::pair{"heart_edge_mm", s.heart_edge_mm},
+                                    {"blood_edge_mm", s.blood_edge_mm},
+                                    {"torso_edge_mm", s.torso_edge_mm},
+                                    {"growth", s.growth}})
+    if (!(value > 0) || !std::isfinite(value))
+      throw UserError(fmt::format("{} is {}", name, value), "recipe, [mesh]", "it must be a positive number");
+  if (!(s.smoothing_mm >= 0) || !std::isfinite(s.smoothing_mm))
+    throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]", "it must not be negative");
+}
+
+struct DomainFunction {
+  const MeshDomain* domain;
+  double layer_mm;
+  int operator()(const Vec3& lps_mm) const {
+    const Vec3 index = index_from_lps(domain->grid, lps_mm);
+    const double beyond = beyond_border_mm(domain->grid, index);
+    if (beyond > layer_mm) return 0;
+    const int region = region_at(*domain, index);
+    return region == 0 ? 0 : beyond > 0 ? region + beyond_border : region;
+  }
+};
+
+adapters::ImplicitDomain implicit_domain(const MeshDomain& domain, const Volume<float>& sizes, double layer_mm) {
+  adapters::ImplicitDomain implicit;
+  implicit.label_at = DomainFunction{&domain, layer_mm};
+  implicit.edge_mm = [&sizes](const Vec3& lps_mm) { return edge_at(sizes, lps_mm); };
+  const auto& grid = domain.grid;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 index;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double margin = 0.5 + (layer_mm + 1) / grid.spacing_mm[axis];
+      const auto last = static_cast<double>(grid.size[static_cast<std::size_t>(axis)] - 1);
+      index[axis] = (corner >> axis) & 1 ? last + margin : -margin;
+    }
+    const Vec3 p = lps_from_index(grid, index);
+    for (int axis = 0; axis < 3; ++axis) {
+      implicit.box_min_mm[axis] = corner == 0 ? p[axis] : std::min(implicit.box_min_mm[axis], p[axis]);
+      implicit.box_max_mm[axis] = corner == 0 ? p[axis] : std::max(implicit.box_max_mm[axis], p[axis]);
+    }
+  }
+  LabelVolume voxels;
+  voxels.grid = grid;
+  voxels.voxels = domain.voxels;
+  implicit.surface_points_mm =
+      surface_seeds(voxels, implicit.label_at, [&](const Vec3& p) { return seed_distance * edge_at(sizes, p); });
+  for (const auto& p : border_layer_points(domain, layer_mm, layer_mm)) implicit.surface_points_mm.push_back(p);
+  implicit.curve_balls = balls_along(border_curves(domain, sizes));
+  return implicit;
+}
+
+std::int32_t surface_of(std::int32_t label, std::int32_t other) {
+  if (other == label + beyond_border) return *surface_from_name("fov_cut");
+  return surface_between(static_cast<Region>(label), static_cast<Region>(other % beyond_border));
+}
+
+// The meshes of the bundle have manifold boundaries: everything, the walls, the blood.
+std::array<LabelSet, 3> manifold_sets() {
+  std::array<LabelSet, 3> sets{};
+  for (const auto& row : region_table()) {
+    const auto at = static_cast<std::size_t>(row.tag);
+    sets[0][at] = true;
+    sets[1][at] = is_myocardium(static_cast<Region>(row.tag));
+    sets[2][at] = is_blood(static_cast<Region>(row.tag));
+  }
+  return sets;
+}
+
+// Outer faces that lie in a plane of the border, but met no cell of the layer there.
+void label_border_faces(TetMesh& mesh, const Grid& grid) {
+  constexpr double near_voxels = 1e-4;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double last = static_cast<double>(grid.size[static_cast<std::size_t>(axis)]) - 0.5;
+      std::array<double, 3> at;
+      for (std::size_t i = 0; i < 3; ++i)
+        at[i] = index_from_lps(grid, mesh.nodes_mm[static_cast<std::size_t>(mesh.faces[f][i])])[axis];
+      for (const double plane : {-0.5, last})
+        if (std::all_of(at.begin(), at.end(), [&](double v) { return std::abs(v - plane) < near_voxels; }))
+          mesh.surface[f] = *surface_from_name("fov_cut");
+    }
+}
+
+void add_orifice_rims(TetMesh& mesh) {
+  for (const auto* name : orifices) {
+    auto rim = rim_of(mesh, *surface_from_name(name));
+    if (!rim.nodes.empty()) mesh.rims.push_back(std::move(rim));
+  }
+}
+
+Face ascending(Face face) {
+  std::sort(face.begin(), face.end());
+  return face;
+}
+
+// Faces of the cells that are kept, as the whole mesh labels them; normals out of the kept cell.
+void copy_faces(const TetMesh& mesh, const std::vector<std::int32_t>& new_node, TetMesh& part) {
+  std::vector<std::pair<Face, std::int32_t>> labelled;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    Face face = mesh.faces[f];
+    for (auto& n : face) n = new_node[static_cast<std::size_t>(n)];
+    face = ascending(face);
+    if (face[0] >= 0) labelled.emplace_back(face, mesh.surface[f]);
+  }
+  std::sort(labelled.begin(), labelled.end());
+  for (const auto& face : cell_faces(part.cells)) {
+    const std::pair<Face, std::int32_t> key{ascending(face.nodes), 0};
+    const auto found = std::lower_bound(labelled.begin(), labelled.end(), key);
+    if (found == labelled.end() || found->first != key.first) continue;
+    const auto region = [&](std::int32_t cell) { return part.region[static_cast<std::size_t>(cell)]; };
+    const bool turned = face.other >= 0 && region(face.other) < region(face.cell);
+    part.faces.push_back(turned ? Face{face.nodes[0], face.nodes[2], face.nodes[1]} : face.nodes);
+    part.surface.push_back(found->second);
+  }
+}
+
+void copy_rims(const TetMesh& mesh, const std::vector<std::int32_t>& new_node, TetMesh& part) {
+  for (const auto& rim : mesh.rims) {
+    Rim kept{rim.name, rim.tag, {}};
+    for (const auto n : rim.nodes)
+      if (const auto id = new_node[static_cast<std::size_t>(n)]; id >= 0) kept.nodes.push_back(id);
+    if (!kept.nodes.empty()) part.rims.push_back(std::move(kept));
+  }
+}
+
+std::vector<Region> regions_where(bool (*accept)(Region)) {
+  std::vector<Region> regions;
+  for (const auto& row : region_table())
+    if (accept(static_cast<Region>(row.tag))) regions.push_back(static_cast<Region>(row.tag));
+  return regions;
+}
+
+void require(const LabelVolume& labels, std::initializer_list<Region> regions) {
+  std::array<bool, 256> present{};
+  for (const auto voxel : labels.voxels) present[voxel] = true;
+  for (const Region r : regions)
+    if (!present[tag(r)])
+      throw UserError(fmt::format("region {} is empty", region_name(tag(r))), "mesh",
+                      "look at the label map; check the seeds, the valve planes and the segmentation steps");
+}
+
+LabelVolume heart_only(const LabelVolume& labels) {
+  LabelVolume heart = labels;
+  for (auto& voxel : heart.voxels)
+    if (!is_myocardium(static_cast<Region>(voxel)) && !is_blood(static_cast<Region>(voxel))) voxel = 0;
+  return heart;
+}
+
+}  // namespace
+
+TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings) {
+  check_settings(settings);
+  const auto domain = make_domain(labels, settings.smoothing_mm);
+  const auto sizes = size_field(domain, settings);
+  const float coarsest = *std::max_element(sizes.voxels.begin(), sizes.voxels.end());
+  auto cells = adapters::mesh_implicit(implicit_domain(domain, sizes, layer_edges * coarsest), {});
+  settle_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(), crumb_cells);
+  flatten_border(labels.grid, cells.nodes_mm, cells.cells, cells.label);
+  improve(cells.nodes_mm, cells.cells, cells.label, beyond_border, {});
+  flatten_border(labels.grid, cells.nodes_mm, cells.cells, cells.label);
+  auto mesh = assemble(
+      cells.nodes_mm, cells.cells, cells.label, [](std::int32_t label) { return label > 0 && label < beyond_border; },
+      surface_of);
+  label_border_faces(mesh, labels.grid);
+  add_orifice_rims(mesh);
+  return mesh;
+}
+
+TetMesh extract_regions(const TetMesh& mesh, std::span<const Region> regions) {
+  std::array<bool, 256> kept{};
+  for (const Region r : regions) kept[tag(r)] = true;
+  TetMesh part;
+  std::vector<std::int32_t> new_node(mesh.nodes_mm.size(), -1);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (!kept[static_cast<std::size_t>(mesh.region[c])]) continue;
+    part.cells.push_back(mesh.cells[c]);
+    part.region.push_back(mesh.region[c]);
+    part.parent_cell.push_back(static_cast<std::int32_t>(c));
+    for (const auto n : mesh.cells[c]) new_node[static_cast<std::size_t>(n)] = 0;
+  }
+  for (std::size_t n = 0; n < new_node.size(); ++n) {
+    if (new_node[n] < 0) continue;
+    new_node[n] = static_cast<std::int32_t>(part.nodes_mm.size());
+    part.nodes_mm.push_back(mesh.nodes_mm[n]);
+    part.parent_node.push_back(static_cast<std::int32_t>(n));
+  }
+  for (auto& cell : part.cells)
+    for (auto& n : cell) n = new_node[static_cast<std::size_t>(n)];
+  copy_faces(mesh, new_node, part);
+  copy_rims(mesh, new_node, part);
+  return part;
+}
+
+std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshSettings& settings) {
+  const auto wanted = [&](const char* name) {
+    return std::find(settings.meshes.begin(), settings.meshes.end(), name) != settings.meshes.end();
+  };
+  if (wanted("myocardium")) require(labels, {Region::lv_myocardium, Region::rv_myocardium});
+  if (wanted("myocardium") || wanted("chambers")) require(labels, {Region::lv_blood});
+  std::map<std::string, TetMesh> meshes;
+  if (!wanted("myocardium") && !wanted("chambers") && !wanted("torso")) return meshes;
+  auto whole = mesh_labels(wanted("torso") ? labels : heart_only(labels), settings);
+  for (const auto& [name, accept] : {std::pair{"myocardium", &is_myocardium}, std::pair{"chambers", &is_blood}}) {
+    if (!wanted(name)) continue;
+    auto& part = meshes[name] = extract_regions(whole, regions_where(accept));
+    if (wanted("torso")) continue;
+    part.parent_node.clear();
+    part.parent_cell.clear();
+  }
+  if (wanted("torso")) meshes["torso"] = std::move(whole);
+  return meshes;
+}
+
+}  // namespace heart::mesh

@@ -1,0 +1,30 @@
+// One conforming tetrahedral mesh of a label map, and the meshes of the bundle cut out of it: the heart inside the
+// torso has the same nodes and cells as the heart alone. Thesis 8.3. Nodes in LPS mm. Not collective: call on one rank.
+#pragma once
+#include <map>
+#include <span>
+#include <string>
+
+#include "model/labels.hpp"
+#include "model/recipe.hpp"
+#include "model/tet_mesh.hpp"
+#include "model/volume.hpp"
+
+namespace heart::mesh {
+
+/// Meshes every labelled region of `labels`. Each outer boundary face and each interface face is listed once, with its
+/// surface; the rims of valve orifices are node sets. Regions that the smoothing wipes out (islands of a voxel) have no
+/// cells. Throws UserError for an empty label map, an unknown label, and edge lengths that are not positive.
+TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings);
+
+/// The cells of `regions` with the nodes they use, in the order they have in `mesh`; parent_node and parent_cell hold
+/// their ids there. Faces between a kept and a dropped region keep their surface. Empty when no cell is kept.
+TetMesh extract_regions(const TetMesh& mesh, std::span<const Region> regions);
+
+/// The meshes among "myocardium" (walls and papillary muscles), "chambers" (blood and great vessels) and "torso"
+/// (everything) that settings.meshes names, out of one mesh. Without "torso" only the heart is meshed.
+/// parent ids point into the torso when it is made, and are empty otherwise.
+/// Throws UserError when the map lacks lv_myocardium, rv_myocardium or lv_blood and these are needed.
+std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshSettings& settings);
+
+}  // namespace heart::mesh

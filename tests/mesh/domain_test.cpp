@@ -1,0 +1,105 @@
+#include "generator/mesh/domain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "generator/mesh/size_field.hpp"
+#include "mesh/shapes.hpp"
+#include "model/error.hpp"
+
+namespace {
+
+using namespace heart;
+using namespace heart::testing;
+
+// Thickness (mm) of `region` along x through the middle of the map.
+double thickness_mm(const mesh::MeshDomain& domain, Region region) {
+  constexpr double step_mm = 0.01;
+  const auto& grid = domain.grid;
+  const Vec3 middle{0, 0.5 * static_cast<double>(grid.size[1] - 1), 0.5 * static_cast<double>(grid.size[2] - 1)};
+  double thickness = 0;
+  for (double x = 0; x < static_cast<double>(grid.size[0] - 1); x += step_mm / grid.spacing_mm.x)
+    thickness += mesh::region_at(domain, {x, middle.y, middle.z}) == tag(region) ? step_mm : 0;
+  return thickness;
+}
+
+TEST(Domain, SmoothingDoesNotThinAWall) {
+  // One voxel of wall between blood and torso keeps its thickness under a Gaussian wider than itself.
+  const auto labels = label_cube(21, 1.5, [](const Vec3& p) {
+    return p.x < -0.75 ? Region::rv_blood : p.x < 0.75 ? Region::rv_myocardium : Region::torso;
+  });
+  for (const double smoothing_mm : {0.0, 0.8, 1.5, 2.5})
+    EXPECT_NEAR(thickness_mm(mesh::make_domain(labels, smoothing_mm), Region::rv_myocardium), 1.5, 0.05)
+        << smoothing_mm;
+}
+
+TEST(Domain, WallBetweenTwoAtriaKeepsItsThickness) {
+  const auto labels = label_cube(21, 1.5, [](const Vec3& p) {
+    return p.x < -0.75 ? Region::ra_blood : p.x < 0.75 ? Region::la_wall : Region::la_blood;
+  });
+  EXPECT_NEAR(thickness_mm(mesh::make_domain(labels, 1.5), Region::la_wall), 1.5, 0.05);
+}
+
+TEST(Domain, PlaneStaysWhereItIsAndIsFlat) {
+  const auto labels = label_cube(21, 1, [](const Vec3& p) { return p.x < -0.5 ? Region::lv_blood : Region::torso; });
+  const auto domain = mesh::make_domain(labels, 1);
+  for (double y = 3; y < 17; y += 0.37) {
+    EXPECT_EQ(mesh::region_at(domain, {9.49, y, y / 2}), tag(Region::lv_blood));
+    EXPECT_EQ(mesh::region_at(domain, {9.51, y, y / 2}), tag(Region::torso));
+  }
+}
+
+TEST(Domain, UniformCubesAgreeWithTheShares) {
+  const auto labels = label_cube(24, 1.5, [](const Vec3& p) {
+    return norm(p) < 8    ? Region::lv_blood
+           : norm(p) < 11 ? Region::lv_myocardium
+           : p.z > 5      ? Region::lung
+                          : Region::torso;
+  });
+  const auto domain = mesh::make_domain(labels, 0.8);
+  auto slow = domain;
+  std::fill(slow.cubes.begin(), slow.cubes.end(), mesh::MeshDomain::mixed);
+  for (double x = -1; x < 25; x += 0.71)
+    for (double y = -1; y < 25; y += 0.83)
+      for (double z = -1; z < 25; z += 0.97)
+        ASSERT_EQ(mesh::region_at(domain, {x, y, z}), mesh::region_at(slow, {x, y, z}));
+}
+
+TEST(Domain, MapContinuesBeyondItsBorder) {
+  const auto labels = label_cube(12, 1, [](const Vec3& p) { return p.x < 0 ? Region::torso : Region::none; });
+  const auto domain = mesh::make_domain(labels, 1);
+  EXPECT_EQ(mesh::region_at(domain, {1, 5, -9}), tag(Region::torso));
+  EXPECT_EQ(mesh::region_at(domain, {10, 5, 30}), 0);
+}
+
+TEST(Domain, SingleSliceIsNoProblem) {
+  auto labels = label_cube(12, 1, [](const Vec3& p) { return norm(p) < 40 ? Region::torso : Region::none; });
+  labels.grid.size = {12, 12, 1};
+  labels.voxels.resize(144);
+  EXPECT_EQ(mesh::region_at(mesh::make_domain(labels, 1), {5, 5, 0}), tag(Region::torso));
+}
+
+TEST(SizeField, IsFineInWallsAndGrowsAsTold) {
+  const auto labels = label_cube(60, 2, [](const Vec3& p) {
+    return norm(p) < 10 ? Region::lv_blood : norm(p) < 14 ? Region::lv_myocardium : Region::torso;
+  });
+  MeshSettings settings;
+  settings.heart_edge_mm = 2;
+  settings.blood_edge_mm = 3;
+  settings.torso_edge_mm = 12;
+  settings.growth = 0.3;
+  const auto sizes = mesh::size_field(mesh::make_domain(labels, 0.8), settings);
+  EXPECT_NEAR(mesh::edge_at(sizes, {12, 0, 0}), 2, 0.05);
+  EXPECT_NEAR(mesh::edge_at(sizes, {0, 0, 0}), 3, 0.05);
+  for (const double distance : {5.0, 10.0, 20.0, 30.0})
+    EXPECT_NEAR(mesh::edge_at(sizes, {14 + distance, 0, 0}), 2 + 0.3 * distance, 0.7) << distance;
+  EXPECT_NEAR(mesh::edge_at(sizes, {58, 58, 58}), 12, 0.01);
+  const auto& s = sizes.grid.spacing_mm;
+  for (std::int64_t k = 0; k < sizes.grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < sizes.grid.size[1]; ++j)
+      for (std::int64_t i = 1; i < sizes.grid.size[0]; ++i)
+        ASSERT_LE(std::abs(sizes(i, j, k) - sizes(i - 1, j, k)), 0.3 * s.x + 1e-4);
+}
+
+}  // namespace

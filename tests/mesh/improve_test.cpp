@@ -1,0 +1,173 @@
+#include "generator/mesh/improve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "generator/mesh/flips.hpp"
+#include "generator/mesh/quality.hpp"
+#include "generator/mesh/settle_labels.hpp"
+#include "generator/mesh/surfaces.hpp"
+
+namespace {
+
+using namespace heart;
+
+struct Labelled {
+  std::vector<Vec3> nodes;
+  std::vector<Cell> cells;
+  std::vector<std::int32_t> label;
+};
+
+// n × n × n cubes of six cells each, with label 1 below `split` layers and 2 above, and a rim of label 0 around.
+Labelled cube(int n, int split) {
+  Labelled mesh;
+  const auto id = [n](int i, int j, int k) { return static_cast<std::int32_t>((k * (n + 1) + j) * (n + 1) + i); };
+  for (int k = 0; k <= n; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i)
+        mesh.nodes.push_back({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+  constexpr std::array<std::array<std::size_t, 3>, 6> orders{
+      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+  const auto outside = [n](int i) { return i == 0 || i == n - 1; };
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        for (std::size_t order = 0; order < 6; ++order) {
+          std::array<int, 3> at{i, j, k};
+          Cell cell{id(i, j, k), 0, 0, 0};
+          for (std::size_t step = 0; step < 3; ++step) {
+            ++at[orders[order][step]];
+            cell[step + 1] = id(at[0], at[1], at[2]);
+          }
+          if (order >= 3) std::swap(cell[2], cell[3]);
+          mesh.cells.push_back(cell);
+          mesh.label.push_back(outside(i) || outside(j) || outside(k) ? 0 : k < split ? 1 : 2);
+        }
+  return mesh;
+}
+
+// A repeatable number in [-1, 1] for a node and an axis.
+double wobble(std::size_t node, int axis) { return std::sin(12.9898 * static_cast<double>(node) + 78.233 * axis); }
+
+double worst_of(const Labelled& mesh) {
+  double worst = 1;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (mesh.label[c] == 0) continue;
+    const auto at = [&](std::size_t i) { return mesh.nodes[static_cast<std::size_t>(mesh.cells[c][i])]; };
+    worst = std::min(worst, mesh::least_sine({at(0), at(1), at(2), at(3)}));
+  }
+  return worst;
+}
+
+double volume_of(const Labelled& mesh, std::int32_t label) {
+  TetMesh whole;
+  whole.nodes_mm = mesh.nodes;
+  double volume = 0;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (mesh.label[c] == label) volume += cell_volume_mm3(whole, mesh.cells[c]);
+  return volume;
+}
+
+std::set<std::set<std::int32_t>> interface_faces(const Labelled& mesh) {
+  std::set<std::set<std::int32_t>> faces;
+  for (const auto& f : mesh::cell_faces(mesh.cells))
+    if (f.other >= 0 && mesh.label[static_cast<std::size_t>(f.cell)] != mesh.label[static_cast<std::size_t>(f.other)])
+      faces.insert({f.nodes[0], f.nodes[1], f.nodes[2]});
+  return faces;
+}
+
+TEST(Quality, SineOfKnownCells) {
+  EXPECT_NEAR(mesh::least_sine({Vec3{1, 1, 1}, Vec3{-1, 1, -1}, Vec3{1, -1, -1}, Vec3{-1, -1, 1}}), std::sqrt(8.0) / 3,
+              1e-12);
+  EXPECT_NEAR(mesh::least_sine({Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}), std::sqrt(2.0 / 3),
+              1e-12);
+  EXPECT_LT(mesh::least_sine({Vec3{0, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, 1}}), 0) << "inverted";
+  EXPECT_EQ(mesh::least_sine({Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 0}}), 0) << "two equal nodes";
+}
+
+TEST(Improve, ShakenMeshGetsBetterAndKeepsItsInterfaces) {
+  auto mesh = cube(8, 4);
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    auto& p = mesh.nodes[n];
+    const bool inside = p.x > 1 && p.x < 7 && p.y > 1 && p.y < 7 && p.z > 1 && p.z < 7 && p.z != 4;
+    for (int axis = 0; inside && axis < 3; ++axis) p[axis] += 0.2 * wobble(n, axis);
+  }
+  const auto faces = interface_faces(mesh);
+  const double before = worst_of(mesh), lower = volume_of(mesh, 1), upper = volume_of(mesh, 2);
+  ASSERT_GT(before, 0);
+  ASSERT_LT(before, 0.15);
+  mesh::improve(mesh.nodes, mesh.cells, mesh.label, 3, {});
+  EXPECT_GT(worst_of(mesh), std::sin(15 * std::acos(-1.0) / 180));
+  EXPECT_EQ(interface_faces(mesh), faces);
+  EXPECT_NEAR(volume_of(mesh, 1), lower, 1e-9);
+  EXPECT_NEAR(volume_of(mesh, 2), upper, 1e-9);
+  EXPECT_TRUE(std::is_sorted(mesh.cells.begin(), mesh.cells.end()));
+}
+
+TEST(Improve, GoodMeshIsLeftAlone) {
+  auto mesh = cube(5, 2);
+  const auto nodes = mesh.nodes;
+  mesh::improve(mesh.nodes, mesh.cells, mesh.label, 3, {});
+  EXPECT_EQ(mesh.nodes, nodes);
+}
+
+TEST(Flips, SliverOnACommonEdgeIsRemoved) {
+  // An octahedron's four equatorial nodes, one pair lifted a little: cut along the wrong diagonal there is a sliver.
+  const std::vector<Vec3> nodes{{1, 0, 0.02}, {0, 1, -0.02}, {-1, 0, 0.02}, {0, -1, -0.02}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<Cell> cells{{0, 1, 2, 4}, {2, 3, 0, 4}, {1, 0, 3, 5}, {3, 2, 1, 5}, {0, 1, 2, 3}};
+  for (auto& cell : cells) {
+    TetMesh mesh;
+    mesh.nodes_mm = nodes;
+    if (cell_volume_mm3(mesh, cell) < 0) std::swap(cell[0], cell[1]);
+  }
+  std::vector<std::int32_t> label(cells.size(), 1);
+  Labelled mesh{nodes, cells, label};
+  const double volume = volume_of(mesh, 1);
+  ASSERT_LT(worst_of(mesh), 0.1);
+  EXPECT_GT(mesh::flip_bad_cells(mesh.nodes, mesh.cells, mesh.label, 2, 0.3), 0);
+  EXPECT_GT(worst_of(mesh), 0.5);
+  EXPECT_NEAR(volume_of(mesh, 1), volume, 1e-12);
+}
+
+TEST(SettleLabels, CrumbsGoToTheirNeighbour) {
+  auto mesh = cube(6, 3);
+  const auto whole = mesh.label;
+  std::size_t inside = 0;
+  while (mesh.label[inside] != 1) ++inside;
+  mesh.label[inside + 40] = 2;  // one cell in the lower half
+  EXPECT_NE(mesh.label, whole);
+  EXPECT_EQ(mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, {}, 5), 1);
+  EXPECT_EQ(mesh.label, whole);
+}
+
+TEST(SettleLabels, BodiesThatTouchInAnEdgeOrACornerArePartedOrJoined) {
+  for (const bool corner : {false, true}) {
+    auto mesh = cube(8, 8);
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+      const auto block = static_cast<int>(c / 6);
+      const int i = block % 8, j = block / 8 % 8, k = block / 64;
+      const bool low = i >= 2 && i < 4 && j >= 2 && j < 4 && k >= 2 && k < 4;
+      const bool high = i >= 4 && i < 6 && j >= 4 && j < 6 && (corner ? k >= 4 && k < 6 : k >= 2 && k < 4);
+      mesh.label[c] = low || high ? 1 : 0;
+    }
+    mesh::LabelSet one{};
+    one[1] = true;
+    EXPECT_GT(mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, std::span(&one, 1), 0), 0);
+    std::map<std::set<std::int32_t>, int> edges;
+    for (const auto& f : interface_faces(mesh))
+      for (const auto dropped : f) {
+        auto edge = f;
+        edge.erase(dropped);
+        ++edges[edge];
+      }
+    for (const auto& [edge, count] : edges) ASSERT_EQ(count, 2);
+    EXPECT_NEAR(volume_of(mesh, 1), 16, 2.5);
+  }
+}
+
+}  // namespace

@@ -30,7 +30,7 @@ class EndToEnd : public ::testing::Test {
         "validate bundle --json --reference-labels phantom/truth/labels.nii.gz --reference-fibers phantom/truth",
         folder());
     EXPECT_EQ(validate.exit_code, 0) << validate.output.substr(0, 2000) << validate.errors;
-    rows() = Json::parse(validate.output);
+    rows() = Json::parse(validate.output)["rows"];
   }
 
   static std::string& folder() {
@@ -115,7 +115,7 @@ TEST_F(EndToEnd, GivenLabelsReplaceTheSegmentation) {
   const auto validate =
       testing::heartgen("validate from_labels --json --reference-labels phantom/truth/labels.nii.gz", folder());
   EXPECT_EQ(validate.exit_code, 0);
-  for (const auto& row : Json::parse(validate.output)) {
+  for (const auto& row : Json::parse(validate.output)["rows"]) {
     if (row["metric"] == "dice") {
       EXPECT_EQ(row["value"].get<double>(), 1.0) << row["scope"];
     }

@@ -1,8 +1,8 @@
 // The stand-in fibre atlas: two idealised ventricles as a structured mesh. The left ventricle is a stack of
 // confocal-like ellipsoids (index i around, j from apex to base, k through the wall). The right ventricle is a second
-// stack of sheets over the left one's outer surface that touch it along their rim: there their nodes are the same
-// nodes. Every box of the index grid is split into Kuhn's six tetrahedra; those that lose a corner to a shared node are
-// dropped.
+// stack of sheets over the left one's outer surface. Where a sheet ends it meets that surface in nodes that lie on the
+// left ventricle's but are its own: fibres jump there, from the left epicardium's to those of the right wall. Every box
+// of the index grid is split into Kuhn's six tetrahedra; those that lose a corner to a shared node are dropped.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace heart::datasets {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr int around_count = 52, along_count = 22, lv_layers = 4, rv_layers = 2;
+constexpr int around_count = 52, along_count = 22, lv_layers = 4, rv_layers = 4;
 
 // Sizes in mm: a heart a little smaller and thicker than the phantom's.
 constexpr double lv_radius = 22, lv_length = 55, lv_wall = 10.5, lv_apex_wall = 7.5, base_height = 22;
@@ -34,18 +34,33 @@ Vec3 left_point(double angle, double share, double depth) {
 }
 
 /// How far a sheet of the right ventricle stands off the left one's outer surface; 0 outside its rim.
-double sheet_offset(double angle, double share, double depth) {
+double full_offset(double angle, double share, double depth) {
   const double grow = 0.13 * depth;
   const double across = angle / (rv_half_angle + grow);
   const double down = (base_height - left_point(angle, share, 1).z) / (rv_height + 8 * depth);
   const double rest = 1 - across * across - down * down * std::abs(down);
-  const double offset = rest > 0 ? (rv_reach + rv_wall * depth) * std::sqrt(rest) : 0;
-  return offset < 2.2 + 2.2 * depth ? 0 : offset;
+  return rest > 0 ? (rv_reach + rv_wall * depth) * std::sqrt(rest) : 0;
+}
+
+/// The sheet ends where it would come too close to the left ventricle for cells of a good shape.
+bool is_attached(double angle, double share, double depth) {
+  return full_offset(angle, share, depth) < 2.2 + 2.2 * depth;
 }
 
 Vec3 right_point(double angle, double share, double depth) {
-  const double offset = sheet_offset(angle, share, depth);
+  const double offset = full_offset(angle, share, depth);
   return left_point(angle, share, 1) + Vec3{offset * std::cos(0.8 * angle), offset * std::sin(0.8 * angle), 0};
+}
+
+/// Depth of the sheet whose rim passes through a point of the attachment: 0 at the cavity's edge, 1 at the outer one.
+double depth_at_attachment(double angle, double share) {
+  if (is_attached(angle, share, 1)) return 1;
+  double attached = 0, free = 1;
+  for (int halving = 0; halving < 30; ++halving) {
+    const double middle = 0.5 * (attached + free);
+    (is_attached(angle, share, middle) ? attached : free) = middle;
+  }
+  return free;
 }
 
 /// Position and frame by central differences of the sheet's parametrisation.
@@ -95,8 +110,13 @@ struct AtlasBuilder {
   std::int32_t right(int i, int j, int k) {
     const double angle = 2 * pi * i / around_count, share = j / static_cast<double>(along_count);
     const double depth = static_cast<double>(k) / rv_layers;
-    if (sheet_offset(angle, share, depth) == 0) return left((i + around_count) % around_count, j, lv_layers);
-    return add({1, i, j, k}, node_on_sheet(right_point, angle, share, depth));
+    if (!is_attached(angle, share, depth)) return add({1, i, j, k}, node_on_sheet(right_point, angle, share, depth));
+    const double rim = depth_at_attachment(angle, share);
+    AtlasNode node = is_attached(angle, share, rim) ? node_on_sheet(left_point, angle, share, 1)
+                                                    : node_on_sheet(right_point, angle, share, rim);
+    node.at = left_point(angle, share, 1);
+    node.depth = rim;
+    return add({2, i, j, 0}, node);
   }
 
   /// Splits a box with corners numbered by bits (1: around, 2: along, 4: through).
@@ -138,6 +158,28 @@ void add_right(AtlasBuilder& builder) {
       }
 }
 
+/// Nodes of boxes that vanished whole go.
+void drop_unused_nodes(TetMesh& mesh) {
+  std::vector<std::int32_t> number(mesh.nodes_mm.size(), -1);
+  for (const Cell& cell : mesh.cells)
+    for (const auto node : cell) number[static_cast<std::size_t>(node)] = 0;
+  std::int32_t kept = 0;
+  auto& fibers = mesh.node_fibers;
+  for (std::size_t n = 0; n < number.size(); ++n) {
+    if (number[n] < 0) continue;
+    const auto to = static_cast<std::size_t>(kept);
+    mesh.nodes_mm[to] = mesh.nodes_mm[n];
+    fibers.fiber[to] = fibers.fiber[n];
+    fibers.sheet[to] = fibers.sheet[n];
+    number[n] = kept++;
+  }
+  mesh.nodes_mm.resize(static_cast<std::size_t>(kept));
+  fibers.fiber.resize(mesh.nodes_mm.size());
+  fibers.sheet.resize(mesh.nodes_mm.size());
+  for (Cell& cell : mesh.cells)
+    for (auto& node : cell) node = number[static_cast<std::size_t>(node)];
+}
+
 /// A pose of the atlas's own: not the phantom's, not axis-aligned.
 void place(TetMesh& mesh) {
   const Vec3 to_base = normalized({-0.52, 0.66, 0.54}), guess{-0.75, -0.62, 0.0};
@@ -157,6 +199,7 @@ TetMesh make_standin_atlas() {
   AtlasBuilder builder;
   add_left(builder);
   add_right(builder);
+  drop_unused_nodes(builder.mesh);
   place(builder.mesh);
   builder.mesh.fiber_source.assign(builder.mesh.nodes_mm.size(), static_cast<std::uint8_t>(FiberSource::rule));
   return std::move(builder.mesh);

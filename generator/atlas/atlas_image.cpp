@@ -133,15 +133,25 @@ Mask turned(const Mask& wall, const Vec3& axis, double spacing_mm) {
   grid.spacing_mm = {spacing_mm, spacing_mm, spacing_mm};
   grid.origin_mm = -0.5 * spacing_mm * static_cast<double>(n - 1) * Vec3{1, 1, 1};
   Mask result(grid);
+  const auto index_of = [&](const Vec3& at) {
+    return index_from_lps(wall.grid, middle + to_file * lps_from_index(grid, at));
+  };
+  const Vec3 first = index_of({0, 0, 0});
+  const Vec3 along_i = index_of({1, 0, 0}) - first, along_j = index_of({0, 1, 0}) - first,
+             along_k = index_of({0, 0, 1}) - first;
+  const auto& size = wall.grid.size;
+  const Vec3 end{static_cast<double>(size[0]) - 0.5, static_cast<double>(size[1]) - 0.5,
+                 static_cast<double>(size[2]) - 0.5};
   for (std::int64_t k = 0; k < n; ++k)
-    for (std::int64_t j = 0; j < n; ++j)
+    for (std::int64_t j = 0; j < n; ++j) {
+      const Vec3 row = first + static_cast<double>(j) * along_j + static_cast<double>(k) * along_k;
       for (std::int64_t i = 0; i < n; ++i) {
-        const Vec3 x = middle + to_file * lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j),
-                                                                static_cast<double>(k)});
-        const Vec3 at = index_from_lps(wall.grid, x);
-        const auto a = std::llround(at.x), b = std::llround(at.y), c = std::llround(at.z);
-        if (wall.grid.contains(a, b, c)) result(i, j, k) = wall(a, b, c);
+        const Vec3 at = row + static_cast<double>(i) * along_i;
+        if (at.x < -0.5 || at.y < -0.5 || at.z < -0.5 || at.x >= end.x || at.y >= end.y || at.z >= end.z) continue;
+        result(i, j, k) = wall(static_cast<std::int64_t>(at.x + 0.5), static_cast<std::int64_t>(at.y + 0.5),
+                               static_cast<std::int64_t>(at.z + 0.5));
       }
+    }
   return result;
 }
 

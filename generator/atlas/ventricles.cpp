@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<std::array<int, 3>, 6> faces{
     {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 constexpr double grid_margin_mm = 12;
-constexpr double trabecula_mm = 3;  // half of the width of the widest trabecula or gap between two
+constexpr double trabecula_mm = 12;  // balls rolling on a cavity's far side must bridge the gaps between trabeculae
 
 template <class Keep>
 std::vector<Vec3> centers_where(const Volume<std::uint8_t>& parts, Keep&& keep) {
@@ -150,6 +150,25 @@ void close_cavity(Volume<std::uint8_t>& parts, Part wall, Part cavity, double ra
     if (is(parts.voxels[v], wall) && to_far.voxels[v] > radius_mm) parts.voxels[v] = tag(cavity);
 }
 
+/// What lies beyond a valve's plane, and the walls of atria and vessels, is no epicardium: muscle that faces it ends
+/// there as at a cut.
+void close_base(Volume<std::uint8_t>& parts, const Landmarks& landmarks) {
+  constexpr double reach_mm = 4, rim_mm = 12;  // of vessel walls and fat in the grooves; of muscle around a valve
+  const auto to_other = distance_to(mask_where(parts, [](auto v) { return is(v, Part::other); }));
+  const auto beyond = [&](const Vec3& p) {
+    for (const auto& [name, valve] : landmarks.valves) {
+      const Vec3 d = p - valve.center_mm;
+      const double height = dot(d, valve.normal);
+      if (height > 0 && norm(d - height * valve.normal) < valve.radius_mm + rim_mm) return true;
+    }
+    return false;
+  };
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v)
+    if (is(parts.voxels[v], Part::outside) &&
+        (to_other.voxels[v] <= reach_mm || beyond(voxel_center(parts.grid, static_cast<std::int64_t>(v)))))
+      parts.voxels[v] = tag(Part::other);
+}
+
 /// Direction of the left ventricle's largest extent, from the blood's side (base) to the wall's side (apex).
 Vec3 rough_axis(const LabelVolume& labels) {
   std::vector<Vec3> wall, blood;
@@ -263,6 +282,7 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   result.parts = resampled(parts_of_labels(papillary_as_blood(labels)), grid);
   close_cavity(result.parts, Part::lv_wall, Part::lv_cavity, trabecula_mm);
   close_cavity(result.parts, Part::rv_wall, Part::rv_cavity, trabecula_mm);
+  if (atria) close_base(result.parts, landmarks);
   Vec3 normal = rough_axis(labels);
   const Vec3 base = patient_base_point(labels, landmarks, normal);
   // The atlas is cut across its long axis; so is the patient, hence the plane follows the axis found under it.

@@ -14,7 +14,8 @@ enum class Part : std::uint8_t {
   rv_wall = 2,
   lv_cavity = 3,
   rv_cavity = 4,
-  other = 5,  ///< atria and great vessels: where a wall meets them, it ends at neither of its surfaces
+  other = 5,  ///< atria, great vessels, what lies close to them or beyond a valve: a wall that meets it ends there as
+              ///< at a cut, at neither of its surfaces
 };
 
 constexpr std::uint8_t tag(Part part) { return static_cast<std::uint8_t>(part); }

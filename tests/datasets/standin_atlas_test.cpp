@@ -49,6 +49,16 @@ TEST(StandinAtlas, CellsArePositiveAndEveryNodeIsUsed) {
   EXPECT_LT(rv_ml, 60);
 }
 
+TEST(StandinAtlas, TheVentriclesShareNoNodeSoThatFibersCanJumpWhereTheyMeet) {
+  std::vector<std::int32_t> region(atlas().nodes_mm.size(), 0);
+  for (std::size_t c = 0; c < atlas().cells.size(); ++c)
+    for (const auto node : atlas().cells[c]) {
+      auto& known = region[static_cast<std::size_t>(node)];
+      ASSERT_TRUE(known == 0 || known == atlas().region[c]);
+      known = atlas().region[c];
+    }
+}
+
 TEST(StandinAtlas, SurfaceIsAClosedManifold) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
   for (const auto& [face, count] : faces_of(atlas())) {

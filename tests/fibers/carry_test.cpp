@@ -19,7 +19,7 @@ using testing::ModelHeart;
 FiberSettings quick_settings() {
   FiberSettings settings;
   settings.grid_mm = 3;
-  settings.depth_grid_mm = 1.5;
+  settings.depth_grid_mm = 1.8;
   settings.demons_iterations = {20, 10};
   return settings;
 }
@@ -46,7 +46,7 @@ ModelHeart patient_heart() {
 
 struct Patient {
   ModelHeart heart = patient_heart();
-  LabelVolume labels = testing::labels_of(heart, 2);
+  LabelVolume labels = testing::labels_of(heart, 2.4);
   TetMesh mesh = testing::voxel_mesh(labels);
 };
 
@@ -80,8 +80,8 @@ double mean_difference_deg(const std::vector<Vec3>& a, const std::vector<Vec3>& 
 TEST(CarryFibers, KnownFieldIsFoundOnAThickerHeartInAnotherPose) {
   const auto& result = plain_result();
   // Voxels of 2 to 3 mm here; the phantom's end-to-end test holds the accuracy at real resolutions.
-  EXPECT_LT(mean_error_deg(result, Region::lv_myocardium), 8);
-  EXPECT_LT(mean_error_deg(result, Region::rv_myocardium), 14);
+  EXPECT_LT(mean_error_deg(result, Region::lv_myocardium), 6);
+  EXPECT_LT(mean_error_deg(result, Region::rv_myocardium), 11);
   EXPECT_GT(result.min_jacobian, 0);
   EXPECT_GT(result.atlas_overlap, 0.8);
   EXPECT_LT(result.affine_rms_mm, 2);
@@ -121,8 +121,10 @@ TEST(CarryFibers, PoseSizeAndUnitOfTheAtlasDoNotMatter) {
   const auto turned = moved_atlas(matrix, {0.01, 0.2, -0.035});
   EXPECT_EQ(turned.unit_in_mm, 1000);
   const auto result = carry_fibers(patient().mesh, patient().labels, {}, turned, quick_settings());
-  EXPECT_LT(mean_difference_deg(result.node.fiber, plain_result().node.fiber), 3);
-  EXPECT_LT(mean_error_deg(result, Region::lv_myocardium), 8);
+  // A turned atlas falls on other voxels of its image; beyond that the error must not grow.
+  EXPECT_LT(mean_difference_deg(result.node.fiber, plain_result().node.fiber), 4);
+  EXPECT_LT(mean_error_deg(result, Region::lv_myocardium), mean_error_deg(plain_result(), Region::lv_myocardium) + 1);
+  EXPECT_LT(mean_error_deg(result, Region::rv_myocardium), mean_error_deg(plain_result(), Region::rv_myocardium) + 2);
 }
 
 TEST(CarryFibers, PushedVectorsAreInpaintedWhereTheAtlasDoesNotReach) {

@@ -102,7 +102,9 @@ Cut cut_band(const HeartBand& heart, const BandInput& band, const EpicardiumSett
   const auto cut = minimal_cut(weight, state,
                                {.max_iterations = settings.max_iterations, .duality_gap = settings.duality_gap}, comm);
   Cut result{{}, cut.duality_gap, cut.iterations};
-  if (comm.is_root()) result.inside = inside_of_cut(cut.u, band);
+  if (!comm.is_root()) return result;
+  result.inside = inside_of_cut(cut.u, band);
+  if (band.thick_wall) result.inside = grown_to_half_height(result.inside, band, heart.tissue);
   return result;
 }
 

@@ -18,6 +18,7 @@ constexpr double smoothing_mm = 0.8;           // of the image before its gradie
 constexpr float free_end = 0.05F;              // weight next to forbidden voxels
 constexpr std::int64_t island_fraction = 100;  // smaller pieces are no heart; the atria may be two pieces
 constexpr double area_bin_mm = 1;              // thickness of the shells whose volumes measure the level sets' areas
+constexpr float least_edge_hu = 60;            // less contrast to what lies beyond is no edge of the heart
 
 Vec3 gradient(const Volume<float>& image, const Index3& at) {
   Vec3 result;
@@ -120,6 +121,31 @@ Mask inside_of_cut(const Volume<float>& u, const BandInput& band) {
       }
   grown = fill_holes(grown);
   return drop_small_components(grown, std::max<std::int64_t>(count(grown) / island_fraction, 1));
+}
+
+Mask grown_to_half_height(const Mask& inside, const BandInput& band, const Volume<float>& tissue) {
+  const Grid& grid = inside.grid;
+  const float muscle = *std::max_element(tissue.voxels.begin(), tissue.voxels.end());
+  const std::array<Index3, 6> steps{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+  const auto belongs = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    for (const auto& [a, b, c] : steps) {
+      if (!grid.contains(i - a, j - b, k - c) || !grid.contains(i + a, j + b, k + c)) continue;
+      if (!inside(i - a, j - b, k - c) || inside(i + a, j + b, k + c)) continue;
+      const float beyond = tissue(i + a, j + b, k + c);
+      if (muscle - beyond > least_edge_hu && tissue(i, j, k) > (muscle + beyond) / 2) return true;
+    }
+    return false;
+  };
+  Mask grown = inside;
+  parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < grid.size[1]; ++j)
+        for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+          const bool free = !inside(i, j, k) && !band.forbidden(i, j, k) && !band.air(i, j, k);
+          if (free && band.distance_mm(i, j, k) <= band.band_mm && belongs(i, j, k)) grown(i, j, k) = 1;
+        }
+  });
+  return grown;
 }
 
 Volume<float> clipped_tissue(const CtVolume& ct, double muscle_hu) {

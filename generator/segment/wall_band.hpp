@@ -33,6 +33,11 @@ Volume<float> band_weight(const Volume<float>& tissue, const BandInput& band, co
 /// parts them: next to them the cut is free to run on either side of a voxel.
 Mask inside_of_cut(const Volume<float>& u, const BandInput& band);
 
+/// `inside` with the voxels on its surface that are more muscle than what lies beyond them: brighter than half-way
+/// between muscle and the next voxel outwards, where there is an edge at all. The cut of a wall of two or three voxels
+/// settles on the steepest face, which partial volumes draw inwards by up to a voxel.
+Mask grown_to_half_height(const Mask& inside, const BandInput& band, const Volume<float>& tissue);
+
 /// The image between fat and muscle, slightly smoothed: the endocardial edge vanishes, the epicardial one stays.
 Volume<float> clipped_tissue(const CtVolume& ct, double muscle_hu);
 

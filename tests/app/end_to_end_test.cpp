@@ -22,8 +22,8 @@ class EndToEnd : public ::testing::Test {
     ASSERT_EQ(phantom.exit_code, 0) << phantom.errors;
     // Coarse meshes: what is tested here is the road, and it is built several times over.
     std::ofstream(folder() + "/phantom/recipe.toml", std::ios::app)
-        << "\n[mesh]\nheart_edge_mm = 3.5\nblood_edge_mm = 8\ntorso_edge_mm = 25\ntrachea_edge_mm = 3\n"
-           "carotid_edge_mm = 1.8\n[fibers]\ngrid_mm = 2.2\ndepth_grid_mm = 1.5\ndemons_iterations = [40, 20, 5]\n";
+        << "\n[mesh]\nheart_edge_mm = 2.4\nblood_edge_mm = 8\ntorso_edge_mm = 25\ntrachea_edge_mm = 3\n"
+           "carotid_edge_mm = 1.8\n";
     const auto build = testing::heartgen("build phantom/recipe.toml --output bundle --no-cache", folder());
     ASSERT_EQ(build.exit_code, 0) << build.errors;
     const auto validate = testing::heartgen(

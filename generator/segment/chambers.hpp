@@ -11,8 +11,8 @@ namespace heart::segment {
 /// lv_blood, rv_blood, la_blood, ra_blood, aorta, pulmonary_artery and papillary on the CT's grid, 0 elsewhere.
 /// Needs seeds for the four chambers; aorta and pulmonary artery where seeds are given. Valve planes, where given,
 /// are where the regions end; else they end at the narrowest section between the seeds. Of the tree only the grey
-/// values are used (what muscle and blood look like); the blood itself is cut by the local contrast, see blood_pool.hpp.
-/// Throws UserError for a missing seed, a seed outside the image or not in blood. Root only.
+/// values are used (what muscle and blood look like); the blood itself is cut by the local contrast, see
+/// blood_pool.hpp. Throws UserError for a missing seed, a seed outside the image or not in blood. Root only.
 LabelVolume split_chambers(const CtVolume& ct, const SegmentationTree& tree, const Landmarks& landmarks,
                            const ChamberSettings& settings);
 

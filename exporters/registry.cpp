@@ -97,7 +97,7 @@ std::filesystem::path write_markers(const ExportTask& task) {
   for (const auto& [tag, name] : regions_of(task.mesh)) markers[name] = {tag, 3};
   for (const auto& [tag, name] : surfaces_of(task.mesh)) markers[name] = {tag, 2};
   for (const auto& rim : task.mesh.rims) markers[rim.name] = {rim.tag, 0};
-  const auto path = task.folder / (task.mesh_name + "_markers.json");
+  auto path = task.folder / (task.mesh_name + "_markers.json");
   write_text(path, markers.dump(2) + "\n");
   return path;
 }

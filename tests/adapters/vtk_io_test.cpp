@@ -251,7 +251,9 @@ TEST(VtkIo, BrokenAtlasesAreRefused) {
   refuse(with("1.5 0 0", "nan 0 0"), "not a number");
   refuse(with("UNSTRUCTURED_GRID", "POLYDATA"), "another data set");
   refuse(with("5 10 10", "5 5 5"), "no tetrahedron");
+#ifndef __SANITIZE_ADDRESS__  // its operator new aborts instead of throwing
   refuse(with("POINTS 5", "POINTS 99999999999"), "absurd count");
+#endif
   refuse("", "empty");
   refuse("PNG", "another file");
   write_unstructured(folder / "c.vtk", sample_data());

@@ -11,7 +11,7 @@ JOBS := $(shell n=$$(nproc); m=$$(awk '/MemAvailable/ {print int($$2 / 3000000)}
 DEMO_SIZE := 256,256,160
 DEMO_SPACING := 1.4,1.4,1.9
 
-.PHONY: all demo test asan format clean
+.PHONY: all demo test bench asan format clean
 all: $(HEARTGEN)
 
 build/packages.stamp: .ci/install-packages
@@ -47,6 +47,11 @@ demo: demo/export/markers.stamp
 test: $(BUILD)/build.ninja
 	cmake --build --preset release --parallel $(JOBS)
 	ctest --preset release
+
+# Speeds of the image stages on this machine; the last one on two processes.
+bench: $(HEARTGEN)
+	$(HEARTGEN) bench sweep segment epicardium
+	OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun -n 2 $(HEARTGEN) bench ranks
 
 asan: build/packages.stamp
 	cmake --preset asan

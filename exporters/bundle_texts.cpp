@@ -172,22 +172,22 @@ Json crate_authors(const Manifest& manifest) {
 }
 
 Json crate_root(const Manifest& manifest, const Json& files, const Json& authors) {
-  const bool dated = is_date(manifest.date_published);
   std::string description = fmt::format(
       "Simulation-ready heart model {} {}: labelled tetrahedral meshes with fibres, made by heartgen from a CT.",
       manifest.name, manifest.version);
   if (!manifest.atlas.empty()) description += " Fibres: " + manifest.atlas;
-  if (!dated) description += " The recipe states no date of publication; 1970-01-01 stands in its place.";
-  return {{"@id", "./"},
-          {"@type", "Dataset"},
-          {"name", manifest.name},
-          {"description", description},
-          {"version", manifest.version},
-          {"datePublished", dated ? manifest.date_published : "1970-01-01"},
-          {"license", {{"@id", license_url(manifest.license)}}},
-          {"author", references(authors)},
-          {"hasPart", references(files)},
-          {"mentions", {{"@id", "#build"}}}};
+  Json root{{"@id", "./"},
+            {"@type", "Dataset"},
+            {"name", manifest.name},
+            {"description", description},
+            {"version", manifest.version}};
+  // RO-Crate wants a date, but a wrong one is worse than none: whoever publishes gives it in the recipe.
+  if (is_date(manifest.date_published)) root["datePublished"] = manifest.date_published;
+  root.update({{"license", {{"@id", license_url(manifest.license)}}},
+               {"author", references(authors)},
+               {"hasPart", references(files)},
+               {"mentions", {{"@id", "#build"}}}});
+  return root;
 }
 
 }  // namespace

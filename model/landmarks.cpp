@@ -19,6 +19,9 @@ using Json = nlohmann::ordered_json;
 
 const std::vector<std::string> valve_names = {"mitral", "aortic", "tricuspid", "pulmonary"};
 
+/// What `heartgen landmarks --json` tells beside the landmarks.
+const std::vector<std::string> report_keys = {"confidence", "warnings", "volumes_ml", "long_axis"};
+
 Vec3 point_from(const Json& json, const std::string& path, const std::string& key) {
   if (!json.is_array() || json.size() != 3 || !json[0].is_number() || !json[1].is_number() || !json[2].is_number())
     throw UserError(fmt::format("\"{}\" must be three numbers [x, y, z] in LPS mm", key), path, "correct the file");
@@ -67,7 +70,7 @@ Landmarks parse_landmarks(const std::string& json_text, const std::string& where
       for (const auto& [name, valve] : value.items()) landmarks.valves[name] = valve_from(valve, where, name);
     else if (key == "lv_apex_mm")
       landmarks.lv_apex_mm = point_from(value, where, key);
-    else
+    else if (std::find(report_keys.begin(), report_keys.end(), key) == report_keys.end())
       throw UserError(fmt::format("unknown key \"{}\"", key), where, "known keys: seeds_mm, valves, lv_apex_mm");
   }
   check_landmarks(landmarks, where);

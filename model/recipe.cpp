@@ -42,6 +42,19 @@ bool assign(const toml::node& node, std::vector<T>& values) {
     if (!assign(element, values.emplace_back())) return false;
   return true;
 }
+bool assign(const toml::node& node, LabelKeys& value) {
+  const auto* array = node.as_array();
+  if (!array) return false;
+  value.keys.clear();
+  for (const auto& element : *array) {
+    int number = 0;
+    if (assign(element, number))
+      value.keys.push_back(std::to_string(number));
+    else if (!assign(element, value.keys.emplace_back()))
+      return false;
+  }
+  return true;
+}
 bool assign(const toml::node& node, Vec3& value) {
   std::vector<double> numbers;
   if (!assign(node, numbers) || numbers.size() != 3) return false;
@@ -55,6 +68,7 @@ const char* expected(int) { return "a whole number"; }
 const char* expected(double) { return "a number"; }
 const char* expected(const std::vector<std::string>&) { return "a list of texts"; }
 const char* expected(const std::vector<int>&) { return "a list of whole numbers"; }
+const char* expected(const LabelKeys&) { return "a list of values or names"; }
 const char* expected(const Vec3&) { return "three numbers [x, y, z] in LPS mm"; }
 
 std::string place(const std::string& path, const toml::node& node) {
@@ -140,6 +154,26 @@ void read_landmark_section(Section& top, Landmarks& landmarks) {
   section.refuse_unknown();
 }
 
+void read_label_section(Section& top, LabelSettings& labels) {
+  const auto* table = top.subtable("labels");
+  if (!table) return;
+  Section section{*table, top.path, "labels"};
+  if (const auto* regions = section.subtable("regions")) {
+    Section names{*regions, top.path, "labels.regions"};
+    for (const auto& region : region_table()) {
+      const std::string name(region.name);
+      if (regions->contains(name))
+        names.take(name, labels.regions[name]);
+      else
+        names.known.push_back(name);
+    }
+    names.refuse_unknown();
+    labels.preset = "none";  // unless the recipe names one: what the user maps is all there is
+  }
+  LabelSettings::describe([&](const char* key, auto& value, const char*) { section.take(key, value); }, labels);
+  section.refuse_unknown();
+}
+
 void read_steps(Section& top, std::vector<SegmentationStep>& steps) {
   top.known.emplace_back("segmentation");
   const auto* node = top.table.get("segmentation");
@@ -184,6 +218,7 @@ std::string toml_text(const std::vector<T>& values) {
   for (const auto& value : values) text += (text.size() > 1 ? ", " : "") + toml_text(value);
   return text + "]";
 }
+std::string toml_text(const LabelKeys& value) { return toml_text(value.keys); }
 
 template <class Settings>
 std::string settings_text(const std::string& header, const Settings& settings) {
@@ -207,10 +242,21 @@ std::string landmarks_text(const Landmarks& landmarks) {
   return text;
 }
 
-InputSettings without_folders(InputSettings input) {
-  InputSettings::describe(
-      [](const char*, std::string& value, const char*) { value = fs::path(value).filename().string(); }, input);
-  return input;
+std::string labels_text(const LabelSettings& labels) {
+  std::string text = settings_text("[labels]", labels) + "\n[labels.regions]\n";
+  for (const auto& [region, values] : labels.regions) text += region + " = " + toml_text(values) + "\n";
+  return text;
+}
+
+template <class Paths>
+Paths without_folders(Paths paths) {
+  Paths::describe(
+      [](const char*, std::string& value, const char*) {
+        const fs::path path = value;
+        value = (path.has_filename() ? path : path.parent_path()).filename().string();  // "masks/" is a folder
+      },
+      paths);
+  return paths;
 }
 
 }  // namespace
@@ -244,6 +290,10 @@ Recipe read_recipe(const std::string& path) {
   read_section(top, "input", recipe.input);
   const fs::path folder = fs::path(path).parent_path();
   InputSettings::describe([&](const char*, std::string& file, const char*) { resolve(file, folder); }, recipe.input);
+  read_label_section(top, recipe.labels);
+  read_section(top, "replace", recipe.replace);
+  ReplaceSettings::describe([&](const char*, std::string& file, const char*) { resolve(file, folder); },
+                            recipe.replace);
   if (!recipe.input.landmarks.empty()) recipe.landmarks = read_landmarks(recipe.input.landmarks);
   read_landmark_section(top, recipe.landmarks);
   check_landmarks(recipe.landmarks, path);
@@ -270,7 +320,8 @@ std::string write_recipe(const Recipe& recipe, bool file_names_only) {
   // The landmarks follow in full; a copied file name would be read again on top of them.
   InputSettings input = file_names_only ? without_folders(recipe.input) : recipe.input;
   input.landmarks.clear();
-  text += settings_text("[input]", input);
+  text += settings_text("[input]", input) + labels_text(recipe.labels);
+  text += settings_text("[replace]", file_names_only ? without_folders(recipe.replace) : recipe.replace);
   for (const char* section :
        {"landmarks", "denoise", "segmentation", "chambers", "epicardium", "mesh", "fibers", "validation"})
     text += recipe_section(recipe, section);
@@ -278,6 +329,8 @@ std::string write_recipe(const Recipe& recipe, bool file_names_only) {
 }
 
 std::string recipe_section(const Recipe& recipe, std::string_view section) {
+  if (section == "labels") return labels_text(recipe.labels);
+  if (section == "replace") return settings_text("[replace]", recipe.replace);
   if (section == "landmarks") return landmarks_text(recipe.landmarks);
   if (section == "denoise") return settings_text("[denoise]", recipe.denoise);
   if (section == "chambers") return settings_text("[chambers]", recipe.chambers);

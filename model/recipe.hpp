@@ -3,6 +3,7 @@
 // (unknown keys, wrong types) and writing the resolved recipe all follow from it.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,19 +13,65 @@
 namespace heart {
 
 struct InputSettings {
-  std::string ct;         // CT volume: .nii[.gz], .nrrd, .mhd, .mha, or a folder with one DICOM series
-  std::string atlas;      // fibre atlas (.vtk or .vtu with point or cell vectors); empty: the built-in stand-in
-  std::string labels;     // label map that replaces the segmentation; empty: segment the CT
-  std::string landmarks;  // JSON file with seeds and valve planes; the [landmarks] section overrides it
-  std::string carotid;    // separate angiogram for the carotid mesh; empty: none
+  std::string ct;           // CT volume: .nii[.gz], .nrrd, .mhd, .mha, or a folder with one DICOM series
+  std::string atlas;        // fibre atlas (.vtk or .vtu with point or cell vectors); empty: the built-in stand-in
+  std::string labels;       // labels from elsewhere: an image, or a folder with one mask per structure, see [labels]
+  std::string label_names;  // names of their values (.csv or .json); empty: those in the file, or the preset's
+  std::string landmarks;    // JSON file with seeds and valve planes; the [landmarks] section overrides it
+  std::string carotid;      // separate angiogram for the carotid mesh; empty: none
 
   template <class V>
   static void describe(V&& v, auto& s) {
     v("ct", s.ct, "CT volume: NIfTI, NRRD, MetaImage, or a folder with one DICOM series");
     v("atlas", s.atlas, "fibre atlas (.vtk, .vtu); empty: the built-in stand-in atlas");
-    v("labels", s.labels, "label map that replaces the segmentation; empty: segment the CT");
+    v("labels", s.labels, "labels from elsewhere: an image, or a folder with one mask per structure; see [labels]");
+    v("label_names", s.label_names,
+      "names of the labels' values (.csv or .json); empty: the file's own or the preset's");
     v("landmarks", s.landmarks, "JSON file with seeds and valve planes");
     v("carotid", s.carotid, "angiogram for the carotid mesh; empty: none");
+  }
+};
+
+/// Values (as whole numbers) or structure names of a label map from elsewhere. In a recipe both numbers and texts.
+struct LabelKeys {
+  std::vector<std::string> keys;
+};
+
+/// How `input.labels` is read. What it holds is taken as it is; what it lacks is made by our own stages.
+struct LabelSettings {
+  std::string preset = "heartgen";                                    // what values and names mean: see label_presets()
+  std::vector<std::string> complete = {"chambers", "walls", "body"};  // groups that our stages complete
+  LabelKeys ignore{};                                                 // values or names of no use; "*": all unknown
+  std::map<std::string, LabelKeys> regions{};  // region name to values or names; goes before the preset
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("preset", s.preset, "what values and names mean: a preset, or \"none\" for [labels.regions] alone");
+    v("complete", s.complete, "groups of regions that are made from the CT where the labels lack them");
+    v("ignore", s.ignore, "values or names that are of no use; \"*\": all that are unknown");
+  }
+};
+
+/// Results of stages from files, as `heartgen build --keep-stages` writes them, corrected by hand. A file that was not
+/// changed counts as the stage's own result and is not written into the bundle's recipe.
+struct ReplaceSettings {
+  std::string landmarks;   // landmarks.json
+  std::string denoise;     // denoise.nii.gz
+  std::string segment;     // segment.json, and the image that it names
+  std::string chambers;    // chambers.nii.gz: tags of blood, vessels and papillary muscles
+  std::string epicardium;  // epicardium.nii.gz: tags of the walls
+  std::string body;        // body.nii.gz: tags of what lies around the heart
+  std::string labels;      // labels.nii.gz: the whole label map
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("landmarks", s.landmarks, "landmarks.json in place of the automatic landmarks");
+    v("denoise", s.denoise, "denoise.nii.gz in place of the smoothed CT");
+    v("segment", s.segment, "segment.json (it names its image) in place of the tree of splits");
+    v("chambers", s.chambers, "chambers.nii.gz in place of the stage's: blood, great vessels, papillary muscles");
+    v("epicardium", s.epicardium, "epicardium.nii.gz in place of the stage's: the walls of the heart");
+    v("body", s.body, "body.nii.gz in place of the stage's: torso, lung, bone, liver, trachea");
+    v("labels", s.labels, "labels.nii.gz in place of the whole label map");
   }
 };
 
@@ -70,11 +117,12 @@ struct ChamberSettings {
   std::string tissue = "body.above";   // side of the tree that is not air
   std::string soft = "soft.above";     // side of the tree that holds muscle (and blood)
   double heart_radius_mm = 85;         // nothing farther from the chambers' centre belongs to the heart
-  double vessel_length_mm = 45;        // aorta and pulmonary artery are followed this far from their valves
+  double vessel_length_mm = 45;        // aorta and pulmonary artery are followed this far from their valves; 0: all
   double close_trabeculae_mm = 0;      // closing of the blood pools; 0 keeps papillary muscles and trabeculae
   double minimum_component_ml = 0.02;  // smaller islands are dropped
   double vein_stump_mm = 15;           // veins and appendages stay with their atrium this far from its wide part
-  double papillary_closing_mm = 6;     // muscle in gaps of the ventricles' blood up to twice this wide is papillary
+  double cava_stump_mm = 4;          // the inferior vena cava stays with the right atrium this far below its wide part
+  double papillary_closing_mm = 12;  // muscle in gaps of the LV's blood up to twice this wide (RV: once) is papillary
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -82,12 +130,16 @@ struct ChamberSettings {
     v("tissue", s.tissue, "side of the tree that is not air");
     v("soft", s.soft, "side of the tree that holds muscle");
     v("heart_radius_mm", s.heart_radius_mm, "nothing farther from the chambers' centre belongs to the heart");
-    v("vessel_length_mm", s.vessel_length_mm, "great vessels are followed this far from their valves");
+    v("vessel_length_mm", s.vessel_length_mm,
+      "great vessels are followed this far from their valves; 0: as far as they reach");
     v("close_trabeculae_mm", s.close_trabeculae_mm, "closing of the blood pools; 0 keeps trabeculae");
     v("minimum_component_ml", s.minimum_component_ml, "smaller islands are dropped");
     v("vein_stump_mm", s.vein_stump_mm, "veins and appendages stay with their atrium this far from its wide part");
+    v("cava_stump_mm", s.cava_stump_mm,
+      "the inferior vena cava stays with the right atrium this far below its wide part");
     v("papillary_closing_mm", s.papillary_closing_mm,
-      "muscle in gaps of the ventricles' blood up to twice this wide is papillary");
+      "muscle in gaps of the left ventricle's blood up to twice this wide, and of the right one's up to once, is "
+      "papillary");
   }
 };
 
@@ -121,6 +173,7 @@ struct EpicardiumSettings {
 };
 
 struct MeshSettings {
+  std::string backend = "cgal";  // of the heart and the torso: "lattice" or "cgal"
   std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
   double heart_edge_mm = 1.8;  // edge length in the walls of the heart
   double blood_edge_mm = 4;    // in the chambers, away from the walls
@@ -133,6 +186,7 @@ struct MeshSettings {
   template <class V>
   static void describe(V&& v, auto& s) {
     v("meshes", s.meshes, "which meshes to make");
+    v("backend", s.backend, "mesher of the heart and the torso: \"lattice\" or \"cgal\"");
     v("heart_edge_mm", s.heart_edge_mm, "edge length in the walls of the heart");
     v("blood_edge_mm", s.blood_edge_mm, "edge length in the chambers, away from the walls");
     v("torso_edge_mm", s.torso_edge_mm, "edge length in the torso, away from the heart");
@@ -144,16 +198,16 @@ struct MeshSettings {
 };
 
 struct FiberSettings {
-  std::string method = "local_angles";  // how atlas fibres are carried: "local_angles" or "jacobian" (thesis 9.2)
-  double grid_mm = 1.5;                 // spacing of the registration grid
-  double demons_sigma_mm = 2;           // smoothing of the displacement field
+  std::string method = "local_angles";                // "local_angles", "coordinates" or "jacobian" (thesis 9.2)
+  double grid_mm = 1.5;                               // spacing of the registration grid
+  double demons_sigma_mm = 2;                         // smoothing of the displacement field
   std::vector<int> demons_iterations = {60, 40, 15};  // per level, coarse to fine
   int inpainting_iterations = 200;
   double depth_grid_mm = 1;  // spacing of the grid for wall depth and directions, at most grid_mm
 
   template <class V>
   static void describe(V&& v, auto& s) {
-    v("method", s.method, "how atlas fibres are carried: \"local_angles\" or \"jacobian\"");
+    v("method", s.method, "how atlas fibres are carried: \"local_angles\", \"coordinates\" or \"jacobian\"");
     v("grid_mm", s.grid_mm, "spacing of the registration grid");
     v("demons_sigma_mm", s.demons_sigma_mm, "smoothing of the displacement field");
     v("demons_iterations", s.demons_iterations, "demons iterations per level, coarse to fine");
@@ -186,6 +240,8 @@ struct Recipe {
   std::string date_published;    // YYYY-MM-DD; the only date in a bundle
   bool synthetic_image = false;  // the CT is a phantom: the report says so
   InputSettings input;
+  LabelSettings labels;
+  ReplaceSettings replace;
   Landmarks landmarks;
   DenoiseSettings denoise;
   std::vector<SegmentationStep> segmentation;  // default_segmentation() when the recipe gives none
@@ -207,8 +263,8 @@ Recipe read_recipe(const std::string& path);
 /// `file_names_only` drops the folders of the input paths (for the copy inside a bundle).
 std::string write_recipe(const Recipe& recipe, bool file_names_only);
 
-/// One section of it ("denoise", "segmentation", "chambers", "epicardium", "mesh", "fibers", "landmarks"): what a
-/// stage depends on.
+/// One section of it ("labels", "replace", "denoise", "segmentation", "chambers", "epicardium", "mesh", "fibers",
+/// "landmarks"): what a stage depends on.
 std::string recipe_section(const Recipe& recipe, std::string_view section);
 
 /// Seeds and planes from a JSON file as `heartgen phantom` and `heartgen landmarks` write it.

@@ -170,6 +170,10 @@ void add_registration_rows(const RegistrationFigures& figures, const ValidationS
     report.push_back(row("registration", "jacobian_min", *figures.min_jacobian, "1", settings.minimum_jacobian));
   if (figures.affine_rms_mm) report.push_back(row("registration", "affine_misfit_rms", *figures.affine_rms_mm, "mm"));
   if (figures.atlas_overlap) report.push_back(row("registration", "wall_overlap_dice", *figures.atlas_overlap, "1"));
+  if (figures.second_mean_deg)
+    report.push_back(row("ventricles", "second_method_difference_mean", *figures.second_mean_deg, "deg"));
+  if (figures.second_p95_deg)
+    report.push_back(row("ventricles", "second_method_difference_p95", *figures.second_p95_deg, "deg"));
 }
 
 }  // namespace

@@ -13,9 +13,11 @@ namespace heart::validation {
 
 /// Figures that only the build knows; a re-validation takes them from the bundle's metrics, or leaves them out.
 struct RegistrationFigures {
-  std::optional<double> min_jacobian;
-  std::optional<double> affine_rms_mm;
-  std::optional<double> atlas_overlap;  ///< Dice of the walls
+  std::optional<double> min_jacobian{};
+  std::optional<double> affine_rms_mm{};
+  std::optional<double> atlas_overlap{};    ///< Dice of the walls
+  std::optional<double> second_mean_deg{};  ///< angles to the axes that the second best method carries
+  std::optional<double> second_p95_deg{};
 };
 
 /// Helix angle against wall depth: the angle between the fibre's projection on the wall's tangent plane and the

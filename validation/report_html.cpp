@@ -130,8 +130,10 @@ std::string navigation(const std::string& body) {
 }  // namespace
 
 std::string make_report(const ReportInput& input) {
-  const std::string body = viewer_section(input) + slices_section(input) + meshes_section(input) +
-                           fibers_section(input) + certificate_section(input) + provenance_html(input);
+  Pieces pieces;
+  for (const auto section : {viewer_section, slices_section, meshes_section, fibers_section})
+    for (auto& piece : section(input)) pieces.push_back(std::move(piece));
+  const std::string body = joined(pieces) + certificate_section(input) + provenance_html(input);
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"

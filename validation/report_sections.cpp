@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
+#include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
 #include "validation/cell_quality.hpp"
 #include "validation/fiber_checks.hpp"
@@ -23,6 +25,20 @@ namespace {
 std::string figure(const PngBytes& png, const std::string& caption, bool on_white) {
   return fmt::format("<figure><img{} alt=\"{}\" src=\"{}\"><figcaption>{}</figcaption></figure>\n",
                      on_white ? " class=\"on-white\"" : "", escaped(caption), png_source(png), escaped(caption));
+}
+
+void add(Pieces& pieces, std::string text) {
+  pieces.emplace_back([text = std::move(text)] { return text; });
+}
+
+void add(Pieces& pieces, Pieces more) {
+  for (auto& piece : more) pieces.push_back(std::move(piece));
+}
+
+/// A picture that is drawn when the piece is made.
+template <class Draw>
+void add_figure(Pieces& pieces, const std::string& caption, bool on_white, Draw draw) {
+  pieces.emplace_back([=] { return figure(draw(), caption, on_white); });
 }
 
 std::string region_words(std::int32_t region) {
@@ -57,22 +73,31 @@ struct Extent {
   bool empty() const { return low.x > high.x; }
 };
 
-/// LPS box of the labelled heart, or of everything labelled where there is no heart.
-Extent heart_extent(const LabelVolume& labels) {
-  Extent heart, all;
-  std::size_t v = 0;
-  for (std::int64_t k = 0; k < labels.grid.size[2]; ++k)
-    for (std::int64_t j = 0; j < labels.grid.size[1]; ++j)
-      for (std::int64_t i = 0; i < labels.grid.size[0]; ++i, ++v) {
-        if (labels.voxels[v] == 0) continue;
-        const Vec3 p =
-            lps_from_index(labels.grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-        for (Extent* e : {&all, &heart}) {
-          if (e == &heart && !is_chamber_or_wall(labels.voxels[v])) continue;
-          for (int a = 0; a < 3; ++a) e->low[a] = std::min(e->low[a], p[a]), e->high[a] = std::max(e->high[a], p[a]);
-        }
+/// LPS box of the voxels that `counts` is true for.
+template <class Counts>
+Extent extent_of(const LabelVolume& labels, Counts counts) {
+  Extent extent;
+  const auto [nx, ny, nz] = labels.grid.size;
+  for (std::int64_t k = 0; k < nz; ++k)
+    for (std::int64_t j = 0; j < ny; ++j) {
+      const auto* row = &labels(0, j, k);
+      const auto first = std::find_if(row, row + nx, counts);
+      if (first == row + nx) continue;
+      const auto last = std::find_if(std::reverse_iterator(row + nx), std::reverse_iterator(row), counts).base() - 1;
+      for (const auto* voxel : {first, last}) {
+        const Vec3 p = lps_from_index(
+            labels.grid, {static_cast<double>(voxel - row), static_cast<double>(j), static_cast<double>(k)});
+        for (int a = 0; a < 3; ++a)
+          extent.low[a] = std::min(extent.low[a], p[a]), extent.high[a] = std::max(extent.high[a], p[a]);
       }
-  return heart.empty() ? all : heart;
+    }
+  return extent;
+}
+
+/// The labelled heart, or everything labelled where there is no heart.
+Extent heart_extent(const LabelVolume& labels) {
+  const Extent heart = extent_of(labels, is_chamber_or_wall);
+  return heart.empty() ? extent_of(labels, [](std::uint8_t label) { return label != 0; }) : heart;
 }
 
 /// Index of the slice through a point, along the grid axis that runs nearest to a patient axis.
@@ -98,32 +123,41 @@ GreyWindow grey_window(const ReportInput& input) {
   return {(low_hu + high_hu) / 2, high_hu - low_hu};
 }
 
-struct PlaneRow {
+struct Plane {
   SlicePlane plane;
   const char* name;
   int patient_axis;
-  std::vector<double> shares;  ///< of the heart's extent along the axis
+  std::vector<double> shares;  ///< of the heart's extent along the axis, in the order of the pictures
 };
 
-std::string slice_row(const ReportInput& input, const PlaneRow& row, const Extent& heart, const GreyWindow& window) {
+const std::vector<Plane>& planes() {
+  static const std::vector<Plane> all = {{SlicePlane::axial, "axial", 2, {0.85, 0.71, 0.57, 0.43, 0.29, 0.15}},
+                                         {SlicePlane::coronal, "coronal", 1, {0.25, 0.45, 0.65}},
+                                         {SlicePlane::sagittal, "sagittal", 0, {0.3, 0.5, 0.7}}};
+  return all;
+}
+
+/// One slice: of the heart's surroundings, or with `whole` of the whole image.
+void add_slice(Pieces& pieces, const ReportInput& input, const Plane& plane, const Extent& heart,
+               const GreyWindow& window, double share, bool whole) {
   const Grid& grid = input.ct ? input.ct->grid : input.labels->grid;
+  const int axis = plane.patient_axis;
   const Vec3 size = heart.high - heart.low;
-  std::string html = fmt::format("<div class=\"row {}\">\n", row.shares.size() == 3 ? "three" : "two");
-  for (const double share : row.shares) {
-    Vec3 at = 0.5 * (heart.low + heart.high);
-    at[row.patient_axis] = heart.low[row.patient_axis] + share * size[row.patient_axis];
-    SliceOptions options;
-    options.legend = false;
-    options.window = window;
-    options.width_px = row.shares.size() == 3 ? input.picture_width_px * 5 / 6 : input.picture_width_px;
+  Vec3 at = 0.5 * (heart.low + heart.high);
+  at[axis] = heart.low[axis] + share * size[axis];
+  SliceOptions options;
+  options.legend = false;
+  options.window = window;
+  options.width_px = input.picture_width_px * 2 / 3;
+  if (!whole) {
     options.center_mm = at;
     options.field_mm = 1.22 * std::max({size.x, size.y, size.z});
-    const std::int64_t index = slice_through(grid, at, row.patient_axis);
-    const char axis = "xyz"[row.patient_axis];
-    html += figure(slice_picture(input.ct, input.labels, row.plane, index, options),
-                   fmt::format("{}, {} = {:.0f} mm", row.name, axis, at[row.patient_axis]), false);
   }
-  return html + "</div>\n";
+  const auto index = slice_through(grid, at, axis);
+  add_figure(pieces, fmt::format("{}, {} = {:.0f} mm{}", plane.name, "xyz"[axis], at[axis], whole ? ", whole" : ""),
+             false, [&input, kind = plane.plane, index, options] {
+               return slice_picture(input.ct, input.labels, kind, index, options);
+             });
 }
 
 std::vector<std::int32_t> regions_of(const std::vector<std::int32_t>& tags) {
@@ -160,39 +194,47 @@ MeshPictureOptions mesh_options(int width_px) {
   return options;
 }
 
-std::string heart_pictures(const TetMesh& walls, int width_px) {
-  MeshPictureOptions options = mesh_options(width_px);
-  std::string html = "<div class=\"row two\">\n";
-  html +=
-      figure(mesh_picture(walls, View::front, options), "From the front. The patient's left is on the right.", true);
-  html += figure(mesh_picture(walls, View::back, options), "From behind.", true);
-  options.cut = CutPlane{heart_frame(walls).center_mm, {0, -1, 0}};
-  html += figure(mesh_picture(walls, View::front, options),
-                 "Cut open in front, cell by cell, through the left ventricle.", true);
-  options.cut = CutPlane{heart_frame(walls).center_mm, {0, 0, -1}};
-  html += figure(mesh_picture(walls, View::below, options), "Cut across, seen from below.", true);
-  html += "</div>\n" + legend(regions_of(walls.region));
-  return html;
+Pieces heart_pictures(const TetMesh& walls, int width_px) {
+  Pieces pieces;
+  const MeshPictureOptions whole = mesh_options(width_px);
+  MeshPictureOptions front = whole, across = whole;
+  const Vec3 center = heart_frame(walls).center_mm;
+  front.cut = CutPlane{center, {0, -1, 0}};
+  across.cut = CutPlane{center, {0, 0, -1}};
+  const auto add_view = [&](View view, const MeshPictureOptions& options, const char* caption) {
+    add_figure(pieces, caption, true, [&walls, view, options] { return mesh_picture(walls, view, options); });
+  };
+  add(pieces, "<div class=\"row two\">\n");
+  add_view(View::front, whole, "From the front. The patient's left is on the right.");
+  add_view(View::back, whole, "From behind.");
+  add_view(View::front, front, "Cut open in front, cell by cell, through the left ventricle.");
+  add_view(View::below, across, "Cut across, seen from below.");
+  add(pieces, "</div>\n" + legend(regions_of(walls.region)));
+  return pieces;
 }
 
-std::string torso_pictures(const TetMesh& torso, const TetMesh* walls, int width_px) {
+Pieces torso_pictures(const TetMesh& torso, const TetMesh* walls, int width_px) {
   Vec3 center;
   for (const Vec3& p : torso.nodes_mm) center += p / static_cast<double>(torso.nodes_mm.size());
   if (walls) center = heart_frame(*walls).center_mm;
-  MeshPictureOptions options = mesh_options(width_px);
-  options.cut = CutPlane{center, {0, -1, 0}};
-  std::string html = "<div class=\"row two\">\n";
-  html += figure(mesh_picture(torso, View::front, options), "Torso, cut in front through the heart.", true);
-  options.cut = CutPlane{center, {0, 0, -1}};
-  html +=
-      figure(mesh_picture(torso, View::below, options), "Torso, cut across through the heart, seen from below.", true);
-  return html + "</div>\n" + legend(regions_of(torso.region));
+  Pieces pieces;
+  const auto add_view = [&](View view, const Vec3& normal, const char* caption) {
+    MeshPictureOptions options = mesh_options(width_px);
+    options.cut = CutPlane{center, normal};
+    add_figure(pieces, caption, true, [&torso, view, options] { return mesh_picture(torso, view, options); });
+  };
+  add(pieces, "<h3>Torso</h3>\n<div class=\"row two\">\n");
+  add_view(View::front, {0, -1, 0}, "Torso, cut in front through the heart.");
+  add_view(View::below, {0, 0, -1}, "Torso, cut across through the heart, seen from below.");
+  add(pieces, "</div>\n" + legend(regions_of(torso.region)));
+  return pieces;
 }
 
-std::string vessel_picture(const TetMesh& mesh, const std::string& name, int width_px) {
+void add_vessel(Pieces& pieces, const TetMesh& mesh, const std::string& name, int width_px) {
   MeshPictureOptions options = mesh_options(width_px);
   options.color = MeshColor::surface;
-  return figure(mesh_picture(mesh, View::front, options), name + ", coloured by labelled surface.", true);
+  add_figure(pieces, name + ", coloured by labelled surface.", true,
+             [&mesh, options] { return mesh_picture(mesh, View::front, options); });
 }
 
 ProfileSeries profile_series(const TetMesh& walls, Region ventricle, const std::string& name) {
@@ -202,8 +244,9 @@ ProfileSeries profile_series(const TetMesh& walls, Region ventricle, const std::
 
 }  // namespace
 
-std::string viewer_section(const ReportInput& input) {
-  if (!input.meshes) return "";
+namespace {
+
+std::string viewer_html(const ReportInput& input) {
   const ViewerData data = viewer_data(*input.meshes);
   if (data.empty) return "";
   std::string html =
@@ -230,10 +273,7 @@ std::string viewer_section(const ReportInput& input) {
   return html;
 }
 
-std::string slices_section(const ReportInput& input) {
-  if (!input.labels) return "";
-  const Extent heart = heart_extent(*input.labels);
-  if (heart.empty()) return "";
+std::string slices_lead(const ReportInput& input) {
   std::string html = "<h2 id=\"image\">Contours on the image</h2>\n<p class=\"lead\">";
   html +=
       input.ct
@@ -247,51 +287,93 @@ std::string slices_section(const ReportInput& input) {
   std::vector<std::int32_t> regions;
   for (std::size_t r = 1; r < present.size(); ++r)
     if (present[r]) regions.push_back(static_cast<std::int32_t>(r));
-  html += legend(regions);
-  const GreyWindow window = grey_window(input);
-  html += slice_row(input, {SlicePlane::axial, "axial", 2, {0.72, 0.5, 0.28}}, heart, window);
-  html += slice_row(input, {SlicePlane::coronal, "coronal", 1, {0.36, 0.56}}, heart, window);
-  html += slice_row(input, {SlicePlane::sagittal, "sagittal", 0, {0.4, 0.62}}, heart, window);
-  return html;
+  return html + legend(regions);
 }
 
-std::string meshes_section(const ReportInput& input) {
-  if (!input.meshes || input.meshes->empty()) return "";
-  std::string html = "<h2 id=\"meshes\">Meshes</h2>\n";
-  const TetMesh* walls = mesh_named(input, "myocardium");
-  if (walls) html += heart_pictures(*walls, input.picture_width_px);
-  if (const TetMesh* torso = mesh_named(input, "torso"))
-    html += "<h3>Torso</h3>\n" + torso_pictures(*torso, walls, input.picture_width_px);
-  std::string vessels;
-  for (const char* name : {"trachea", "carotid"})
-    if (const TetMesh* mesh = mesh_named(input, name)) vessels += vessel_picture(*mesh, name, input.picture_width_px);
-  if (!vessels.empty()) html += "<h3>Vessels and airways</h3>\n<div class=\"row two\">\n" + vessels + "</div>\n";
-  return html + "<h3>Dihedral angles</h3>\n" + mesh_charts(input);
-}
-
-std::string fibers_section(const ReportInput& input) {
-  const TetMesh* walls = mesh_named(input, "myocardium");
-  if (!walls || walls->node_fibers.fiber.size() != walls->nodes_mm.size()) return "";
-  std::string html = "<h2 id=\"fibres\">Fibres</h2>\n<p class=\"lead\">";
-  html +=
-      "Lines along the muscle fibres, coloured by helix angle: red climbs to the base counter-clockwise (seen from the "
-      "base), as inside the left ventricle; blue the other way, as outside; white runs around.";
-  if (!input.atlas_name.empty()) html += " Source: " + escaped(input.atlas_name) + ".";
-  html += "</p>\n<div class=\"row two\">\n";
-  FiberPictureOptions options;
-  options.width_px = input.picture_width_px, options.height_px = input.picture_width_px * 30 / 31;
-  html += figure(fiber_picture(*walls, options), "Cut along the long axis of the left ventricle.", true);
-  options.cut = false;
-  html += figure(fiber_picture(*walls, options), "The outside, from the front.", true);
-  html += "</div>\n<div class=\"row two\"><div class=\"card\"><h3>Helix angle through the wall</h3>";
-  html += helix_profile_svg({profile_series(*walls, Region::lv_myocardium, "left ventricle"),
-                             profile_series(*walls, Region::rv_myocardium, "right ventricle")});
+std::string helix_charts(const TetMesh& walls) {
+  std::string html = "<div class=\"row two\"><div class=\"card\"><h3>Helix angle through the wall</h3>";
+  html += helix_profile_svg({profile_series(walls, Region::lv_myocardium, "left ventricle"),
+                             profile_series(walls, Region::rv_myocardium, "right ventricle")});
   html += "</div><div class=\"card\"><h3>Helix angles of all nodes</h3>";
   std::vector<double> angles;
-  for (const double a : helix_angle_per_node(*walls))
+  for (const double a : helix_angle_per_node(walls))
     if (std::isfinite(a)) angles.push_back(a);
-  html += histogram_svg({"helix angle", angles}, -90, 90, 60, "degrees") + "</div></div>\n";
-  return html;
+  return html + histogram_svg({"helix angle", angles}, -90, 90, 60, "degrees") + "</div></div>\n";
+}
+
+}  // namespace
+
+std::string joined(const Pieces& pieces) {
+  std::vector<std::string> texts(pieces.size());
+  std::atomic<std::size_t> next = 0;  // whoever is free takes the next one
+  parallel::parallel_for(0, parallel::thread_count(), [&](std::int64_t, std::int64_t) {
+    for (std::size_t p = next++; p < pieces.size(); p = next++) texts[p] = pieces[p]();
+  });
+  std::string all;
+  for (const auto& text : texts) all += text;
+  return all;
+}
+
+Pieces viewer_section(const ReportInput& input) {
+  if (!input.meshes) return {};
+  return {[&input] { return viewer_html(input); }};
+}
+
+Pieces slices_section(const ReportInput& input) {
+  if (!input.labels) return {};
+  const Extent heart = heart_extent(*input.labels);
+  if (heart.empty()) return {};
+  const GreyWindow window = grey_window(input);
+  Pieces pieces;
+  add(pieces, slices_lead(input) + "<div class=\"row three\">\n");
+  for (const Plane& plane : planes()) add_slice(pieces, input, plane, heart, window, 0.5, true);
+  for (const Plane& plane : planes()) {
+    add(pieces, "</div>\n<div class=\"row three\">\n");
+    for (const double share : plane.shares) add_slice(pieces, input, plane, heart, window, share, false);
+  }
+  add(pieces, "</div>\n");
+  return pieces;
+}
+
+Pieces meshes_section(const ReportInput& input) {
+  if (!input.meshes || input.meshes->empty()) return {};
+  Pieces pieces;
+  add(pieces, "<h2 id=\"meshes\">Meshes</h2>\n");
+  const TetMesh* walls = mesh_named(input, "myocardium");
+  if (walls) add(pieces, heart_pictures(*walls, input.picture_width_px));
+  if (const TetMesh* torso = mesh_named(input, "torso"))
+    add(pieces, torso_pictures(*torso, walls, input.picture_width_px));
+  Pieces vessels;
+  for (const char* name : {"trachea", "carotid"})
+    if (const TetMesh* mesh = mesh_named(input, name)) add_vessel(vessels, *mesh, name, input.picture_width_px);
+  if (!vessels.empty()) {
+    add(pieces, "<h3>Vessels and airways</h3>\n<div class=\"row two\">\n");
+    add(pieces, std::move(vessels));
+    add(pieces, "</div>\n");
+  }
+  pieces.emplace_back([&input] { return "<h3>Dihedral angles</h3>\n" + mesh_charts(input); });
+  return pieces;
+}
+
+Pieces fibers_section(const ReportInput& input) {
+  const TetMesh* walls = mesh_named(input, "myocardium");
+  if (!walls || walls->node_fibers.fiber.size() != walls->nodes_mm.size()) return {};
+  std::string lead = "<h2 id=\"fibres\">Fibres</h2>\n<p class=\"lead\">";
+  lead +=
+      "Lines along the muscle fibres, coloured by helix angle: red climbs to the base counter-clockwise (seen from the "
+      "base), as inside the left ventricle; blue the other way, as outside; white runs around.";
+  if (!input.atlas_name.empty()) lead += " Source: " + escaped(input.atlas_name) + ".";
+  Pieces pieces;
+  add(pieces, lead + "</p>\n<div class=\"row two\">\n");
+  FiberPictureOptions options;
+  options.width_px = input.picture_width_px, options.height_px = input.picture_width_px * 30 / 31;
+  add_figure(pieces, "Cut along the long axis of the left ventricle.", true,
+             [walls, options] { return fiber_picture(*walls, options); });
+  options.cut = false;
+  add_figure(pieces, "The outside, from the front.", true, [walls, options] { return fiber_picture(*walls, options); });
+  add(pieces, "</div>\n");
+  pieces.emplace_back([walls] { return helix_charts(*walls); });
+  return pieces;
 }
 
 }  // namespace heart::validation

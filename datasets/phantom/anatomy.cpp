@@ -159,6 +159,11 @@ Tissue tissue_at(const HeartModel& model, const Vec3& lps_mm) { return sample_at
 
 Vec3 long_axis(const HeartModel& model) { return model.anatomy->heart.local[2]; }
 
+double right_heart_contrast_hu(const HeartModel& model) {
+  const auto grey = [&](Tissue tissue) { return model.anatomy->hu[static_cast<std::size_t>(tissue)]; };
+  return static_cast<double>(grey(Tissue::right_blood) - grey(Tissue::myocardium));
+}
+
 Landmarks landmarks_of(const HeartModel& model) {
   const auto& anatomy = *model.anatomy;
   const auto& heart = anatomy.heart;

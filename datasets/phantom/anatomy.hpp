@@ -55,16 +55,21 @@ Region region_at(const HeartModel& model, const Vec3& lps_mm);
 Tissue tissue_at(const HeartModel& model, const Vec3& lps_mm);
 
 /// Transmural depth in the wall of the nearest ventricle: 0 at the endocardium, 1 at the epicardium (for the septum:
-/// at the right ventricular side). Clamped to [0, 1]; NaN farther than 6 mm from ventricular muscle.
+/// at the right ventricular side). The surfaces are those of the wall without trabeculae, outflow tracts included.
+/// Clamped to [0, 1]; NaN farther than 6 mm from ventricular muscle, and in the fibrous plates at the valves.
 double depth_at(const HeartModel& model, const Vec3& lps_mm);
 
 /// Unit fibre direction (an axis: its sign carries no meaning) in ventricular muscle and papillary muscles: helix angle
 /// linear in depth from +60 deg (endocardium) to -60 deg (epicardium); papillary muscles along their own axis. Defined
-/// up to 6 mm off the muscle, so that nodes of a slightly displaced mesh can be compared; the zero vector beyond.
+/// up to 6 mm off the muscle, so that nodes of a slightly displaced mesh can be compared; the zero vector beyond, and in
+/// the fibrous plates at the valves, which labels count as muscle but which have no helix.
 Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm);
 
 /// Unit vector of the left ventricle's long axis from apex to base.
 Vec3 long_axis(const HeartModel& model);
+
+/// How much brighter the right heart's blood is than the heart's muscle, HU; negative where it is darker.
+double right_heart_contrast_hu(const HeartModel& model);
 
 /// Seeds in every pool and organ, the four valve discs, the epicardial apex.
 Landmarks landmarks_of(const HeartModel& model);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "datasets/phantom/companions.hpp"
@@ -56,12 +57,16 @@ float grey_of(const Neck& neck, const Vec3& p) {
 
 }  // namespace
 
-void add_carotid(Phantom& phantom, int variant, double noise_hu) {
+void add_carotid(Phantom& phantom, int variant, double noise_hu, const Vec3& spacing_mm) {
   const Neck neck = make_neck(variant);
+  const Vec3 field_mm{36, 36, 84};
   Grid grid;
-  grid.size = {72, 72, 168};
-  grid.spacing_mm = {0.5, 0.5, 0.5};
-  grid.origin_mm = {-17.75, -17.75, -41.75};
+  grid.spacing_mm = spacing_mm;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto voxels = std::max(8L, std::lround(field_mm[axis] / spacing_mm[axis]));
+    grid.size[static_cast<std::size_t>(axis)] = voxels;
+    grid.origin_mm[axis] = -0.5 * static_cast<double>(voxels - 1) * spacing_mm[axis];
+  }
   Volume<float> image(grid);
   phantom.carotid_labels = LabelVolume(grid);
   for (std::int64_t k = 0; k < grid.size[2]; ++k)

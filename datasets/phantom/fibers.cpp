@@ -13,6 +13,15 @@ constexpr double endocardial_helix_deg = 60;
 
 enum class Wall { none, left, right, papillary };
 
+WallSurfaces surfaces(const HeartShapes& heart, Wall wall, const Vec3& p) {
+  return wall == Wall::right ? rv_wall_surfaces(heart, p) : lv_wall_surfaces(heart, p);
+}
+
+double raw_depth(const HeartShapes& heart, Wall wall, const Vec3& p) {
+  const WallSurfaces at = surfaces(heart, wall, p);
+  return at.inner / (at.inner - at.outer);
+}
+
 Wall nearest_wall(const HeartField& f) {
   if (f.papillary < 0 && std::min(f.lv, f.rv) < 0) return Wall::papillary;
   if (f.lv_outer < 0 && f.lv > -off_muscle_mm) return Wall::left;
@@ -21,10 +30,18 @@ Wall nearest_wall(const HeartField& f) {
   return left <= right ? Wall::left : Wall::right;
 }
 
-double raw_depth(const HeartShapes& heart, Wall wall, const Vec3& p) {
-  if (wall == Wall::right) return rv_inner_smooth(heart, p) / heart.sizes.rv_wall_mm;
-  const double inner = lv_inner_smooth(heart, p), outer = lv_outer_smooth(heart, p);
-  return inner / (inner - outer);
+/// Whether a point that is not blood lies deeper in the smooth cavity than its trabeculae reach: in the plates that
+/// carry the valves, or between the right cavity and the aortic root. These are fibrous; no rule for muscle applies.
+bool is_fibrous(const HeartShapes& heart, const HeartField& f, Wall wall, const Vec3& p) {
+  constexpr double room = 1.5;  // for the roundings at the trabeculae's feet
+  if (wall != Wall::left && wall != Wall::right) return false;
+  const WallSurfaces at = surfaces(heart, wall, p);
+  return (wall == Wall::left ? f.lv : f.rv) > 0 && at.inner < -room * at.trabeculae;
+}
+
+Wall wall_at(const HeartShapes& heart, const HeartField& f, const Vec3& p) {
+  const Wall wall = nearest_wall(f);
+  return is_fibrous(heart, f, wall, p) ? Wall::none : wall;
 }
 
 Vec3 depth_gradient(const HeartShapes& heart, Wall wall, const Vec3& p) {
@@ -47,7 +64,7 @@ Vec3 papillary_axis(const HeartShapes& heart, const HeartField& f, const Vec3& p
 
 double depth_at(const HeartModel& model, const Vec3& lps_mm) {
   const auto& heart = model.anatomy->heart;
-  const Wall wall = nearest_wall(heart_field(heart, lps_mm));
+  const Wall wall = wall_at(heart, heart_field(heart, lps_mm), lps_mm);
   if (wall == Wall::none) return std::numeric_limits<double>::quiet_NaN();
   if (wall == Wall::papillary) return 0;
   return std::clamp(raw_depth(heart, wall, lps_mm), 0.0, 1.0);
@@ -56,7 +73,7 @@ double depth_at(const HeartModel& model, const Vec3& lps_mm) {
 Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm) {
   const auto& heart = model.anatomy->heart;
   const HeartField field = heart_field(heart, lps_mm);
-  const Wall wall = nearest_wall(field);
+  const Wall wall = wall_at(heart, field, lps_mm);
   if (wall == Wall::none) return {};
   if (wall == Wall::papillary) return papillary_axis(heart, field, lps_mm);
   const Vec3 across = depth_gradient(heart, wall, lps_mm), axis = heart.local[2];

@@ -6,6 +6,10 @@ namespace {
 constexpr double reach = 16;           // mm; distances of tubes are exact up to here
 constexpr double vessel_gap_mm = 3.2;  // least tissue between two pools
 constexpr double plate_mm = 2;         // half the thickness of the fibrous plate that carries the valves
+constexpr double lv_outflow_blend_mm = 5, rv_outflow_blend_mm = 8;  // roundings of the template's outflow tracts
+constexpr double mitral_channel_mm = 9,
+                 tricuspid_channel_mm = 10;  // how far the valves' channels reach into the ventricles
+constexpr double junction_mm = 3;            // rounding where the ventricles' walls meet
 
 /// A short cylinder on one side of a valve (side = +1: away from the ventricle), a little wider away from the disc.
 double valve_channel(const Valve& valve, const Vec3& p, int side, double length_mm) {
@@ -21,6 +25,9 @@ bool near(const Valve& valve, const Vec3& p, double mm) {
   return dot(d, d) < mm * mm;
 }
 
+/// Height of the ridges at height z above the middle of a cavity: none near the valves.
+double ridge_fade(double z, double length_mm) { return smooth_step(0.3 * length_mm, -0.25 * length_mm, z); }
+
 /// Muscle ridges along the long axis: 0 in the grooves, 1 on the crests; fading towards the base.
 double ridges(const Vec3& l, double count, double length_mm) {
   const double angle = std::atan2(l.y, l.x);
@@ -28,10 +35,8 @@ double ridges(const Vec3& l, double count, double length_mm) {
   const double wave = 0.5 + 0.5 * std::cos(count * angle + twist);
   const double room =
       smooth_step(4, 15, std::sqrt(l.x * l.x + l.y * l.y));  // no ridges where they would crowd together
-  return wave * wave * room * smooth_step(0.3 * length_mm, -0.25 * length_mm, l.z);
+  return wave * wave * room * ridge_fade(l.z, length_mm);
 }
-
-}  // namespace
 
 double lv_inner_smooth(const HeartShapes& heart, const Vec3& p) {
   const auto& s = heart.sizes;
@@ -42,11 +47,30 @@ double lv_outer_smooth(const HeartShapes& heart, const Vec3& p) {
   return ellipsoid(heart.local * (p - heart.center), heart.lv_outer_mm);
 }
 
-double rv_inner_smooth(const HeartShapes& heart, const Vec3& p) {
-  const Vec3 l = heart.local * (p - heart.center);
-  const double body = std::max(ellipsoid(l - heart.rv_center_local_mm, heart.rv_radii_mm),
-                               heart.tricuspid.plane(p) + heart.sizes.rv_wall_mm - plate_mm);
-  return std::max(smooth_min(body, heart.rv_outflow(p), 8 * heart.scale), -lv_outer_smooth(heart, p));
+}  // namespace
+
+WallSurfaces lv_wall_surfaces(const HeartShapes& heart, const Vec3& p) {
+  const double height = dot(heart.local[2], p - heart.center);
+  WallSurfaces wall{lv_inner_smooth(heart, p), lv_outer_smooth(heart, p),
+                    heart.sizes.lv_ridge_mm * ridge_fade(height, heart.sizes.lv_length_mm)};
+  const double inflow = valve_channel(heart.mitral, p, -1, mitral_channel_mm * heart.scale);
+  wall.inner = smooth_min(wall.inner, inflow, junction_mm);
+  const double outflow = heart.lv_outflow(p);
+  if (outflow >= reach) return wall;
+  wall.inner = smooth_min(wall.inner, outflow, lv_outflow_blend_mm * heart.scale);
+  wall.outer = smooth_min(wall.outer, outflow - vessel_gap_mm, junction_mm);
+  return wall;
+}
+
+WallSurfaces rv_wall_surfaces(const HeartShapes& heart, const Vec3& p) {
+  const Vec3 from_center = heart.local * (p - heart.center) - heart.rv_center_local_mm;
+  const double body = ellipsoid(from_center, heart.rv_radii_mm);
+  const double inflow = valve_channel(heart.tricuspid, p, -1, tricuspid_channel_mm * heart.scale);
+  double cavity = smooth_min(body, heart.rv_outflow(p), rv_outflow_blend_mm * heart.scale);
+  cavity = smooth_min(cavity, inflow, junction_mm);
+  const double inner = smooth_max(cavity, -lv_outer_smooth(heart, p), junction_mm);
+  return {inner, inner - heart.sizes.rv_wall_mm,
+          heart.sizes.rv_ridge_mm * ridge_fade(from_center.z, heart.rv_radii_mm.z)};
 }
 
 namespace {
@@ -56,9 +80,9 @@ double lv_blood(const HeartShapes& heart, const Vec3& p, double outflow) {
   if (cavity > -2 * heart.sizes.lv_ridge_mm && cavity < 2)
     cavity += heart.sizes.lv_ridge_mm * ridges(heart.local * (p - heart.center), 13, heart.sizes.lv_length_mm);
   cavity = std::max(cavity, heart.mitral.plane(p) + plate_mm);
-  double blood = smooth_min(cavity, outflow, 5 * heart.scale);
+  double blood = smooth_min(cavity, outflow, lv_outflow_blend_mm * heart.scale);
   if (near(heart.aortic, p, 25)) blood = std::max(blood, heart.aortic.plane(p));
-  return std::min(blood, valve_channel(heart.mitral, p, -1, 9 * heart.scale));
+  return std::min(blood, valve_channel(heart.mitral, p, -1, mitral_channel_mm * heart.scale));
 }
 
 /// The right cavity before the left ventricle is taken out: with trabeculae, and without (for the outer surface).
@@ -70,12 +94,12 @@ RightCavity rv_cavity(const HeartShapes& heart, const Vec3& p, double aorta, dou
   const Vec3 from_center = heart.local * (p - heart.center) - heart.rv_center_local_mm;
   const double body = ellipsoid(from_center, heart.rv_radii_mm), outflow = heart.rv_outflow(p);
   const double base = heart.tricuspid.plane(p) + heart.sizes.rv_wall_mm - plate_mm;
-  const double inflow = valve_channel(heart.tricuspid, p, -1, 10 * heart.scale);
+  const double inflow = valve_channel(heart.tricuspid, p, -1, tricuspid_channel_mm * heart.scale);
   const double keep_out = std::max(vessel_gap_mm - aorta, vessel_gap_mm + 1 - la);
   const bool at_wall = body > -2 * heart.sizes.rv_ridge_mm && body < 2;
   const double ridge = at_wall ? heart.sizes.rv_ridge_mm * ridges(from_center, 19, heart.rv_radii_mm.z) : 0;
   const auto close = [&](double cavity) {
-    double blood = smooth_min(std::max(cavity, base), outflow, 8 * heart.scale);
+    double blood = smooth_min(std::max(cavity, base), outflow, rv_outflow_blend_mm * heart.scale);
     if (near(heart.pulmonary, p, 28)) blood = std::max(blood, heart.pulmonary.plane(p));
     return std::max(std::min(blood, inflow), keep_out);
   };
@@ -87,7 +111,7 @@ RightCavity rv_cavity(const HeartShapes& heart, const Vec3& p, double aorta, dou
 void join_ventricles(const RightCavity& right, double lv_shell, HeartField& f) {
   const double cavity = right.rough;
   f.free_wall = cavity;
-  f.rv = smooth_max(cavity, -lv_shell, 3);
+  f.rv = smooth_max(cavity, -lv_shell, junction_mm);
   if (f.rv > 0 && cavity < 0 && lv_shell > 0 && -lv_shell > cavity) f.lv_outer = std::min(f.lv_outer, -f.rv);
 }
 
@@ -139,7 +163,7 @@ void add_chambers(const HeartShapes& heart, const Vec3& p, HeartField& f) {
   f.la = la_blood(heart, p, f.lv_outer, arteries);
   const RightCavity right = rv_cavity(heart, p, f.aorta, f.la);
   join_ventricles(right, std::min(lv_shell, f.lv_outer), f);
-  const double shell = smooth_max(right.smooth, -lv_shell, 3) - heart.sizes.rv_wall_mm;
+  const double shell = smooth_max(right.smooth, -lv_shell, junction_mm) - heart.sizes.rv_wall_mm;
   f.rv_outer = std::max(shell, heart.tricuspid.plane(p) - plate_mm);
   if (near(heart.pulmonary, p, 28)) f.rv_outer = std::max(f.rv_outer, heart.pulmonary.plane(p) - 0.5);
   f.ra = ra_blood(heart, p, std::min(f.lv_outer, f.rv_outer), std::max(arteries, vessel_gap_mm - f.la));

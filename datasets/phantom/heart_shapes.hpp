@@ -77,10 +77,13 @@ void add_coronaries(HeartShapes& heart);
 
 HeartField heart_field(const HeartShapes& heart, const Vec3& p);
 
-/// Smooth surfaces of the left ventricular wall without trabeculae, papillary muscles and valves (for fibres).
-double lv_inner_smooth(const HeartShapes& heart, const Vec3& p);
-double lv_outer_smooth(const HeartShapes& heart, const Vec3& p);
-/// Smooth surface of the right ventricular cavity, septum included.
-double rv_inner_smooth(const HeartShapes& heart, const Vec3& p);
+/// Endocardium and epicardium of a ventricle's wall as smooth surfaces, mm: outflow tracts belong to the cavity;
+/// trabeculae, papillary muscles and the planes of the valves are left out. The wall is where inner > 0 > outer.
+struct WallSurfaces {
+  double inner, outer;
+  double trabeculae;  ///< they reach this far into the cavity at this height, 0 near the valves
+};
+WallSurfaces lv_wall_surfaces(const HeartShapes& heart, const Vec3& p);
+WallSurfaces rv_wall_surfaces(const HeartShapes& heart, const Vec3& p);
 
 }  // namespace heart::datasets

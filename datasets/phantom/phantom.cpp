@@ -98,7 +98,7 @@ Phantom make_phantom(const PhantomSettings& settings) {
   add_noise(grey, settings.noise_hu, 0xC7 + static_cast<std::uint64_t>(settings.variant));
   phantom.ct = rounded(grey, -1024, 3071);
   phantom.labels = std::move(samples.regions);
-  phantom.fibers = sample_fibers(phantom.model, phantom.labels);
+  if (settings.fibers) phantom.fibers = sample_fibers(phantom.model, phantom.labels);
   if (settings.companions) {
     add_torso_mr(phantom, settings.variant);
     add_carotid(phantom, settings.variant, settings.noise_hu);

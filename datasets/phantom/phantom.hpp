@@ -19,6 +19,7 @@ struct PhantomSettings {
   double noise_hu = 22;            ///< standard deviation of the CT noise
   double point_spread_mm = 0.6;    ///< standard deviation of the Gaussian point spread; 0: none
   bool companions = true;          ///< also make torso_mr and carotid (otherwise left empty)
+  bool fibers = true;              ///< also sample the fibres (otherwise left empty)
   HeartOverrides overrides;
 };
 

@@ -11,8 +11,10 @@
 #include <itkMetaImageIOFactory.h>
 #include <itkNiftiImageIOFactory.h>
 #include <itkNrrdImageIOFactory.h>
+#include <itkVectorImage.h>
 #include <unistd.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -77,17 +79,24 @@ std::array<int, 3> nearest_axes(const Mat3& direction) {
   return source;
 }
 
+template <class ItkImage>
+Grid grid_of(const ItkImage& image) {
+  Grid grid;
+  const auto region = image.GetLargestPossibleRegion();
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    grid.size[axis] = static_cast<std::int64_t>(region.GetSize()[axis]);
+    grid.spacing_mm[static_cast<int>(axis)] = image.GetSpacing()[axis];
+    grid.origin_mm[static_cast<int>(axis)] = image.GetOrigin()[axis];
+    for (unsigned row = 0; row < 3; ++row)
+      grid.direction[static_cast<int>(row)][static_cast<int>(axis)] = image.GetDirection()(row, axis);
+  }
+  return grid;
+}
+
 template <class T>
 Volume<T> plain_volume(const Image<T>& image) {
   Volume<T> volume;
-  const auto region = image.GetLargestPossibleRegion();
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    volume.grid.size[axis] = static_cast<std::int64_t>(region.GetSize()[axis]);
-    volume.grid.spacing_mm[static_cast<int>(axis)] = image.GetSpacing()[axis];
-    volume.grid.origin_mm[static_cast<int>(axis)] = image.GetOrigin()[axis];
-    for (unsigned row = 0; row < 3; ++row)
-      volume.grid.direction[static_cast<int>(row)][static_cast<int>(axis)] = image.GetDirection()(row, axis);
-  }
+  volume.grid = grid_of(image);
   const T* data = image.GetBufferPointer();
   volume.voxels.assign(data, data + volume.grid.voxel_count());
   return volume;
@@ -110,17 +119,21 @@ void check_size(const Index3& size, const std::string& path, bool allow_2d) {
                     path, "crop or resample the volume");
 }
 
-void check_header(const itk::ImageIOBase& io, const std::string& path, bool allow_2d) {
+void check_dimensions(const itk::ImageIOBase& io, const std::string& path, bool allow_2d) {
   const unsigned dimensions = io.GetNumberOfDimensions();
   if (dimensions > 3 && io.GetDimensions(3) > 1)
     throw UserError(fmt::format("has {} dimensions, a volume has 3", dimensions), path, "extract one time frame first");
-  if (io.GetNumberOfComponents() != 1)
-    throw UserError(fmt::format("has {} components per voxel", io.GetNumberOfComponents()), path,
-                    "give a scalar image in Hounsfield units");
   Index3 size{1, 1, 1};
   for (unsigned axis = 0; axis < std::min(dimensions, 3U); ++axis)
     size[axis] = static_cast<std::int64_t>(io.GetDimensions(axis));
   check_size(size, path, allow_2d);
+}
+
+void check_header(const itk::ImageIOBase& io, const std::string& path, bool allow_2d) {
+  check_dimensions(io, path, allow_2d);
+  if (io.GetNumberOfComponents() != 1)
+    throw UserError(fmt::format("has {} components per voxel", io.GetNumberOfComponents()), path,
+                    "give a scalar image in Hounsfield units");
 }
 
 void check_spacing(const Grid& grid, const std::string& path) {
@@ -158,15 +171,20 @@ Volume<float> read_series(const std::string& folder) {
 
 bool is_nifti(const std::string& path) { return path.ends_with(".nii") || path.ends_with(".nii.gz"); }
 
+itk::ImageIOBase::Pointer open_header(const std::string& path) {
+  const auto io = itk::ImageIOFactory::CreateImageIO(path.c_str(), itk::ImageIOFactory::ReadMode);
+  if (!io) throw UserError("is no image of a known format, or its header is damaged", path, known_formats);
+  io->SetFileName(path);
+  io->ReadImageInformation();
+  return io;
+}
+
 Volume<float> read_file(const std::string& path, bool allow_2d) {
   if (is_nifti(path)) {
     check_size(read_nifti_grid(path).size, path, allow_2d);
     return read_nifti(path);
   }
-  const auto io = itk::ImageIOFactory::CreateImageIO(path.c_str(), itk::ImageIOFactory::ReadMode);
-  if (!io) throw UserError("is no image of a known format, or its header is damaged", path, known_formats);
-  io->SetFileName(path);
-  io->ReadImageInformation();
+  const auto io = open_header(path);
   check_header(*io, path, allow_2d);
   const auto reader = itk::ImageFileReader<Image<float>>::New();
   reader->SetImageIO(io);
@@ -188,6 +206,71 @@ Volume<float> read_any(const std::string& path, bool allow_2d) {
   for (const float value : volume.voxels)
     if (!std::isfinite(value)) throw UserError("contains NaN or infinite voxels", path, "repair the image");
   return with_canonical_axes(volume);
+}
+
+Volume<std::int32_t> whole_numbers(const Volume<float>& image, const std::string& path) {
+  constexpr float largest_exact = 16777216;  // beyond it not every whole number is a float
+  Volume<std::int32_t> values(image.grid);
+  for (std::size_t i = 0; i < image.voxels.size(); ++i) {
+    const float value = image.voxels[i];
+    if (value != std::floor(value) || std::abs(value) > largest_exact)
+      throw UserError(fmt::format("holds the value {}, labels are whole numbers", value), path, "is this a label map?");
+    values.voxels[i] = static_cast<std::int32_t>(value);
+  }
+  return values;
+}
+
+/// The number behind "Segment0_LabelValue" or "Segment0_Layer".
+std::int32_t header_number(const itk::MetaDataDictionary& header, const std::string& key, std::int32_t otherwise) {
+  std::string text;
+  std::int32_t number = otherwise;
+  if (itk::ExposeMetaData<std::string>(header, key, text))
+    std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+/// Older files have no values: every segment is a layer of its own, marked by 1.
+std::vector<LabelSegment> named_segments(const itk::MetaDataDictionary& header, std::size_t layers,
+                                         const std::string& path) {
+  std::vector<LabelSegment> segments;
+  for (int n = 0;; ++n) {
+    const std::string prefix = fmt::format("Segment{}_", n);
+    LabelSegment segment;
+    if (!itk::ExposeMetaData<std::string>(header, prefix + "Name", segment.name)) return segments;
+    segment.value = header_number(header, prefix + "LabelValue", 1);
+    const auto layer = header_number(header, prefix + "Layer", layers > 1 ? n : 0);
+    if (layer < 0 || static_cast<std::size_t>(layer) >= layers)
+      throw UserError(fmt::format("segment \"{}\" refers to layer {} of {}", segment.name, layer, layers), path,
+                      "save the segmentation again");
+    segment.layer = static_cast<std::size_t>(layer);
+    segments.push_back(segment);
+  }
+}
+
+/// Every component of a vector image as a volume of its own.
+std::vector<Volume<float>> read_layers(itk::ImageIOBase* io, const std::string& path) {
+  const auto reader = itk::ImageFileReader<itk::VectorImage<float, 3>>::New();
+  reader->SetImageIO(io);
+  reader->SetFileName(path);
+  reader->Update();
+  const auto& image = *reader->GetOutput();
+  const std::size_t count = image.GetNumberOfComponentsPerPixel();
+  std::vector<Volume<float>> layers(count, Volume<float>(grid_of(image)));
+  const float* data = image.GetBufferPointer();
+  for (std::size_t v = 0; v < layers.front().voxels.size(); ++v)
+    for (std::size_t layer = 0; layer < count; ++layer) layers[layer].voxels[v] = *data++;
+  return layers;
+}
+
+LabelImage read_segmentation(const std::string& path) {
+  const auto io = open_header(path);
+  check_dimensions(*io, path, false);
+  const auto layers = read_layers(io, path);
+  check_spacing(layers.front().grid, path);
+  LabelImage image;
+  image.segments = named_segments(io->GetMetaDataDictionary(), layers.size(), path);
+  for (const auto& layer : layers) image.layers.push_back(whole_numbers(with_canonical_axes(layer), path));
+  return image;
 }
 
 template <class To>
@@ -277,6 +360,16 @@ LabelVolume read_labels(const std::string& path) {
       throw UserError(fmt::format("holds the value {}, labels are whole numbers from 0 to 255", value), path,
                       "is this a label map?");
   return converted<std::uint8_t>(image);
+}
+
+LabelImage read_label_image(const std::string& path) {
+  if (!path.ends_with(".nrrd") || !fs::is_regular_file(path)) return {{whole_numbers(read_any(path, false), path)}, {}};
+  register_formats();
+  try {
+    return read_segmentation(path);
+  } catch (const itk::ExceptionObject& error) {
+    throw UserError(fmt::format("cannot be read: {}", error.GetDescription()), path, "is it complete and undamaged?");
+  }
 }
 
 Volume<float> read_image(const std::string& path) { return read_any(path, true); }

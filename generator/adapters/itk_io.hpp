@@ -2,7 +2,9 @@
 // Readers bring any axis order and direction to the canonical one: i, j, k run as close as possible to the
 // patient's left, back and head, so the same volume stored in any format or axis order gives the same voxels.
 #pragma once
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "model/volume.hpp"
 
@@ -15,6 +17,23 @@ CtVolume read_ct(const std::string& path);
 
 /// Reads an integer label map (0 to 255). Errors as read_ct.
 LabelVolume read_labels(const std::string& path);
+
+/// A structure of a label file: the voxels of `layer` that hold `value`.
+struct LabelSegment {
+  std::string name;
+  std::int32_t value = 0;
+  std::size_t layer = 0;
+};
+
+/// Labels as a file holds them. Most have one layer and no names.
+struct LabelImage {
+  std::vector<Volume<std::int32_t>> layers;  ///< on one grid; more than one where structures overlap
+  std::vector<LabelSegment> segments;        ///< names, where the file holds some, in the file's order
+};
+
+/// Reads labels of any whole numbers; of a 3D Slicer segmentation (.seg.nrrd) also its names and overlapping layers
+/// (slicer.readthedocs.io, "Segmentation labelmap file format"). Errors as read_ct, and values that are not whole.
+LabelImage read_label_image(const std::string& path);
 
 /// Reads any scalar image as float, 2D images as one slice (for `heartgen filter`).
 Volume<float> read_image(const std::string& path);

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <functional>
 
+#include "generator/adapters/vtk_counts.hpp"
 #include "generator/adapters/vtk_guard.hpp"
 #include "generator/adapters/vtk_io.hpp"
 #include "model/error.hpp"
@@ -93,6 +94,7 @@ std::array<std::int32_t, N> read_cell(const std::filesystem::path& path, vtkCell
 template <class Reader, class Data>
 vtkSmartPointer<Data> read_with(const std::filesystem::path& path, const std::function<void(Reader*)>& set_up = {}) {
   require_file(path);
+  refuse_absurd_counts(path);
   vtkNew<Reader> reader;
   if (set_up) set_up(reader);
   run_guarded(path, "cannot read", [&] {

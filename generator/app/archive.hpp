@@ -12,9 +12,8 @@
 #include <vector>
 
 #include "generator/fibers/carry.hpp"
+#include "generator/labels/given_labels.hpp"
 #include "generator/landmarks/landmarks.hpp"
-#include "generator/segment/body.hpp"
-#include "generator/segment/epicardium.hpp"
 #include "generator/segment/hierarchy.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
@@ -35,14 +34,13 @@ inline auto members(TetMesh& m) {
   return std::tie(m.nodes_mm, m.cells, m.region, m.faces, m.surface, m.rims, m.node_fibers, m.cell_fibers,
                   m.fiber_source, m.parent_node, m.parent_cell);
 }
-inline auto members(segment::SegmentationSide& s) { return std::tie(s.name, s.below, s.above, s.c_below, s.c_above); }
-inline auto members(segment::WallResult& w) {
-  return std::tie(w.walls, w.ventricle_duality_gap, w.atrium_duality_gap, w.ventricle_iterations, w.atrium_iterations);
+inline auto members(segment::SegmentationSide& s) {
+  return std::tie(s.name, s.below, s.above, s.c_below, s.c_above, s.iterations);
 }
-inline auto members(segment::BodyResult& b) { return std::tie(b.body, b.lung, b.bone, b.liver); }
+inline auto members(labels::GivenLabels& g) { return std::tie(g.labels, g.remarks); }
 inline auto members(fibers::FiberResult& f) {
   return std::tie(f.node, f.cell, f.source, f.atlas_distance_mm, f.wall_depth, f.min_jacobian, f.affine_rms_mm,
-                  f.atlas_overlap, f.warnings);
+                  f.atlas_overlap, f.second_mean_deg, f.second_p95_deg, f.warnings);
 }
 
 struct Writer {

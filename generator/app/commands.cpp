@@ -90,11 +90,13 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   recipe = read_recipe(command.recipe);
   if (!command.ct.empty()) recipe.input.ct = command.ct;
   if (!command.labels.empty()) recipe.input.labels = command.labels;
+  if (!command.preset.empty()) recipe.labels.preset = command.preset;
   if (!command.atlas.empty()) recipe.input.atlas = command.atlas;
   if (!command.landmarks.empty()) recipe.landmarks = read_landmarks(command.landmarks);
   options.output = fs::path(command.output).lexically_normal();
   if (options.output.filename().empty()) options.output = options.output.parent_path();
   if (!command.no_cache) options.cache_folder = fs::path(options.output.string() + ".cache");
+  options.keep_stages = command.keep_stages;
   options.replace = command.force;
   options.progress = !command.quiet;
   const BuildResult result = build(recipe, options, comm);
@@ -254,7 +256,7 @@ int filter_command(const FilterCommand& command, const parallel::Comm& comm) {
 std::string filter_help() {
   std::string text = "Filters and their parameters:\n";
   for (const auto& filter : segment::filters()) {
-    text += fmt::format("  {:<20} {}\n", filter.name, filter.help);
+    text += fmt::format("  {:<20} {}\n  {:<20} {}\n", filter.name, filter.help, "", filter.equation);
     for (const auto& parameter : filter.parameters)
       text += fmt::format("      --{:<16} {} (default {})\n", parameter.name, parameter.help, parameter.default_value);
   }
@@ -264,7 +266,9 @@ std::string filter_help() {
 int mesh_command(const MeshCommand& command) {
   MeshSettings settings;
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
-  const TetMesh mesh = mesh::mesh_labels(adapters::read_labels(command.labels), settings);
+  if (!command.backend.empty()) settings.backend = command.backend;
+  mesh::LatticeReport steps;
+  const TetMesh mesh = mesh::mesh_labels(adapters::read_labels(command.labels), settings, &steps);
   adapters::write_vtu(command.output, mesh);
   fs::path faces(command.output);
   adapters::write_vtp(faces.replace_extension(".vtp"), mesh);
@@ -274,6 +278,7 @@ int mesh_command(const MeshCommand& command) {
   else {
     fmt::print("{}: {} nodes, {} cells; faces in {}\n", command.output, mesh.nodes_mm.size(), mesh.cells.size(),
                faces.string());
+    for (const auto& [step, seconds] : steps.seconds) fmt::print("  {:<8} {:7.2f} s\n", step, seconds);
     print_rows(report, false);
   }
   return all_passed(report) ? 0 : validation_failed;

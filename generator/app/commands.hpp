@@ -12,7 +12,7 @@
 namespace heart::app {
 
 struct BuildCommand {
-  std::string recipe, ct, labels, atlas, landmarks, output;
+  std::string recipe, ct, labels, preset, atlas, landmarks, keep_stages, output;
   bool no_cache = false, force = false, json = false, quiet = false;
 };
 /// @collective
@@ -46,7 +46,7 @@ int filter_command(const FilterCommand& command, const parallel::Comm& comm);
 std::string filter_help();
 
 struct MeshCommand {
-  std::string labels, output;
+  std::string labels, output, backend;
   std::optional<double> edge_mm;
   bool json = false;
 };

@@ -6,8 +6,15 @@
 #include <functional>
 
 #include "exporters/registry.hpp"
+#include "generator/app/accuracy_command.hpp"
+#include "generator/app/bench_command.hpp"
 #include "generator/app/commands.hpp"
+#include "generator/app/contours_command.hpp"
+#include "generator/app/fiber_accuracy_command.hpp"
+#include "generator/app/segment_command.hpp"
+#include "generator/app/study_command.hpp"
 #include "generator/app/versions.hpp"
+#include "generator/labels/presets.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 
@@ -29,8 +36,14 @@ struct Program {
   ValidateCommand validate{};
   ExportCommand exporting{};
   FilterCommand filter{};
+  SegmentCommand segment{};
   MeshCommand mesh{};
   PhantomCommand phantom{};
+  ContoursCommand contours{};
+  AccuracyCommand accuracy{};
+  FiberAccuracyCommand fiber_accuracy{};
+  BenchCommand bench{};
+  StudyCommand study{};
   std::string bundle{}, path{}, ct{};
   bool json = false;
   std::vector<std::int64_t> size{};
@@ -50,16 +63,34 @@ std::function<int()> on_root(Program& p, std::function<int()> action) {
   return [&p, action = std::move(action)] { return parallel::run_on_root(p.comm, action); };
 }
 
+std::string preset_names() {
+  std::string names;
+  for (const auto& preset : labels::label_presets()) names += (names.empty() ? "" : ", ") + std::string(preset.name);
+  return names;
+}
+
 void add_build(Program& p) {
-  auto* sub = subcommand(p, "build", "Build a model bundle from a recipe and a CT",
-                         "heartgen build recipe.toml --ct patient.nii.gz --output bundle",
-                         [&p] { return build_command(p.build, p.comm); });
+  auto* sub =
+      subcommand(p, "build", "Build a model bundle from a recipe and a CT",
+                 "heartgen build recipe.toml --ct patient.nii.gz --output bundle\n"
+                 "Labels from elsewhere; what they lack (thin walls, body) is made from the CT:\n"
+                 "  heartgen build recipe.toml --ct ct.nii.gz --labels masks --preset totalsegmentator -o bundle\n"
+                 "Correct one stage by hand:\n"
+                 "  heartgen build recipe.toml --keep-stages stages -o first\n"
+                 "  (edit stages/chambers.nii.gz; in the recipe: [replace] chambers = \"stages/chambers.nii.gz\")\n"
+                 "  heartgen build recipe.toml -o corrected",
+                 [&p] { return build_command(p.build, p.comm); });
   sub->add_option("recipe", p.build.recipe, "recipe (.toml)")->required();
   sub->add_option("--ct", p.build.ct, "CT volume or DICOM folder, instead of the recipe's");
-  sub->add_option("--labels", p.build.labels, "label map that replaces the segmentation");
+  sub->add_option("--labels", p.build.labels,
+                  "labels from elsewhere: an image, or a folder with one mask per structure; what they lack is made "
+                  "from the CT");
+  sub->add_option("--preset", p.build.preset, "what their values and names mean: " + preset_names());
   sub->add_option("--atlas", p.build.atlas, "fibre atlas (.vtk, .vtu), instead of the recipe's");
   sub->add_option("--landmarks", p.build.landmarks, "seeds and valve planes (.json), instead of the recipe's");
   sub->add_option("-o,--output", p.build.output, "folder of the bundle")->required();
+  sub->add_option("--keep-stages", p.build.keep_stages,
+                  "folder for the results of the image stages, to correct and give back in [replace] of the recipe");
   sub->add_flag("--force", p.build.force, "replace an existing bundle");
   sub->add_flag("--no-cache", p.build.no_cache, "neither read nor keep results of stages (OUTPUT.cache)");
   sub->add_flag("--json", p.build.json, "print the result as JSON");
@@ -121,6 +152,16 @@ void add_export(Program& p) {
   sub->add_flag("--json", p.exporting.json, "print the files written as JSON");
 }
 
+void add_segment(Program& p) {
+  auto* segment = subcommand(p, "segment", "Run a recipe's tree of two-phase splits on an image, 2D or 3D",
+                             "heartgen segment recipe.toml slice.nrrd leaves.nii.gz",
+                             [&p] { return segment_command(p.segment, p.comm); });
+  segment->add_option("recipe", p.segment.recipe, "recipe (.toml): its [denoise] and [[segmentation]]")->required();
+  segment->add_option("image", p.segment.image, "image of any grey values")->required();
+  segment->add_option("output", p.segment.output, "label image to write, one value per leaf of the tree")->required();
+  segment->add_flag("--json", p.segment.json, "print steps and leaves as JSON");
+}
+
 void add_tools(Program& p) {
   auto* filter = subcommand(p, "filter", "Apply a PDE filter to an image",
                             "heartgen filter perona_malik in.nii.gz out.nii.gz --iterations 10",
@@ -143,6 +184,7 @@ void add_tools(Program& p) {
   mesh->add_option("labels", p.mesh.labels, "label map with the tags of a bundle's manifest")->required();
   mesh->add_option("output", p.mesh.output, "mesh to write (.vtu)")->required();
   mesh->add_option("--edge", p.mesh.edge_mm, "edge length in the walls of the heart, mm");
+  mesh->add_option("--backend", p.mesh.backend, "lattice or cgal (default: the recipe's)");
   mesh->add_flag("--json", p.mesh.json, "print the certificate as JSON");
 
   auto* landmarks = subcommand(p, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT",
@@ -162,11 +204,93 @@ void add_tools(Program& p) {
   phantom->add_option("--noise", p.phantom.noise_hu, "standard deviation of the noise, HU (default 22)");
 }
 
+void add_accuracy(Program& p) {
+  auto* sub = subcommand(p, "accuracy",
+                         "Segment phantoms without a landmark and compare with what they are (exit 3 "
+                         "below the bounds)",
+                         "heartgen accuracy --variants 0-14 --noise 10,22,40 --size 512,512,199 --spacing 0.5,0.5,1.2",
+                         [&p] { return accuracy_command(p.accuracy, p.comm); });
+  sub->add_option("--variants", p.accuracy.variants, "numbers and ranges (default 0-14)");
+  sub->add_option("--noise", p.accuracy.noise_hu, "standard deviations of the noise, HU (default 22)")->delimiter(',');
+  sub->add_option("--size", p.size, "voxels NX,NY,NZ (default 256,256,160)")->delimiter(',')->expected(3);
+  sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
+  sub->add_option("--keep", p.accuracy.keep, "folder for each phantom's CT, truth and label map");
+  sub->add_flag("--json", p.accuracy.json, "print every number as JSON");
+}
+
+void add_fiber_accuracy(Program& p) {
+  auto& f = p.fiber_accuracy;
+  auto* sub = subcommand(p, "fiber-accuracy", "Carry an atlas to phantoms of known fibres and compare",
+                         "heartgen fiber-accuracy --cases 1,2,thick --atlas stand-in",
+                         on_root(p, [&p] { return fiber_accuracy_command(p.fiber_accuracy); }));
+  sub->add_option("--cases", f.cases, "variants, thick, dilated, cut, tilted (default 1-4 and all of these)")
+      ->delimiter(',');
+  sub->add_option("--atlas", f.atlas, "phantom, stand-in, or a file (default phantom: variant 0)");
+  sub->add_option("--methods", f.methods, "local_angles, coordinates, jacobian (default all)")->delimiter(',');
+  sub->add_option("--label-spacing", f.spacing_mm, "of the exact labels, mm (default 1.2)");
+  sub->add_flag("--json", f.json, "print as JSON");
+}
+
+void add_study(Program& p) {
+  auto* sub = subcommand(p, "study", "Repeat the thesis's analysis of the Chan-Vese model: tables, curves, pictures",
+                         "", on_root(p, [&p] { return study_command(p.study); }));
+  sub->footer(study_help() + "Example:\n  heartgen study lengths phases --output study");
+  sub->add_option("name", p.study.names, "studies (default: all)");
+  sub->add_option("-o,--output", p.study.output, "folder for tables, plots, pictures and index.html");
+  sub->add_flag("--quick", p.study.quick, "small images and few iterations");
+  sub->add_flag("--json", p.study.json, "print tables and statements as JSON");
+}
+
+void add_bench(Program& p) {
+  auto* sub = subcommand(p, "bench", "Measure the speed of the image stages", "", [&p] {
+    if (p.threads > 0) p.bench.threads = p.threads;
+    return bench_command(p.bench, p.comm);
+  });
+  sub->footer(bench_help() + "Examples:\n  heartgen bench sweep\n  mpirun -n 2 heartgen bench ranks");
+  sub->add_option("names", p.bench.names, "benchmarks (default: all)");
+  sub->add_option("--size", p.size, "of the phantom, voxels NX,NY,NZ (default 512,512,199)")
+      ->delimiter(',')
+      ->expected(3);
+  sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 0.5,0.5,1.2)")->delimiter(',')->expected(3);
+  sub->add_option("--repeats", p.bench.repeats, "of short measurements, of which the median counts (default 7)")
+      ->check(CLI::PositiveNumber);
+  sub->add_flag("--processor-time", p.bench.processor_time,
+                "count processor time over threads, where the machine does other things meanwhile");
+  sub->add_flag("--json", p.bench.json, "print as JSON");
+}
+
+void add_contours(Program& p) {
+  auto& c = p.contours;
+  auto* sub = subcommand(p, "contours", "Snakes, active contours and subjective surfaces on an image, from a seed",
+                         "heartgen contours geodesic in.nii.gz inside.nii.gz --seed 12,-40,90 --balloon 1\n"
+                         "  heartgen contours broken-circle --output pictures",
+                         [&p] { return contours_command(p.contours, p.comm); });
+  sub->add_option("method", c.method, "snake, geometric, geodesic, subjective or broken-circle")->required();
+  sub->add_option("input", c.input, "image, 2D or 3D (snake: 2D)");
+  sub->add_option("mask", c.output, "image to write: 1 inside the contour");
+  sub->add_option("--seed", c.seeds, "point inside the object, x,y,z in LPS mm; several in a row")->delimiter(',');
+  sub->add_option("--radius", c.radius_mm, "of the start around the seeds, mm (default 5)");
+  sub->add_option("--smoothing", c.smoothing_mm, "sigma of the Gaussian before the gradient, mm (default 1)");
+  sub->add_option("--edge", c.edge_per_mm, "slope of an edge, grey values per mm (default: from the image)");
+  sub->add_option("--curvature", c.curvature_mm, "weight of the curvature, mm (default 1; not for snakes)");
+  sub->add_option("--attraction", c.attraction_mm, "pull of the edges (default: geodesic as --curvature, snake 4)");
+  sub->add_option("--balloon", c.balloon, "outward speed where there is no edge, negative: inwards (default 0)");
+  sub->add_option("--tension", c.tension_mm, "snake: against length (default 0.3)");
+  sub->add_option("--rigidity", c.rigidity_mm3, "snake: against bending (default 1)");
+  sub->add_option("--share", c.share, "subjective: level of the border, of the height at the seeds (default 0.5)");
+  sub->add_option("--iterations", c.iterations, "steps at most (default 5000, 20000 for snakes and subjective)");
+  sub->add_option("--surface", c.surface, "also write the level set function");
+  sub->add_option("-o,--output", c.folder, "broken-circle: folder for the pictures");
+  sub->add_option("--noise", c.noise, "broken-circle: standard deviation of its noise, of 255 (default 0)");
+  sub->add_flag("--json", c.json, "print as JSON");
+}
+
 int run(Program& p) {
   if (p.threads < 0) throw UserError("must be positive", "--threads", "give the number of threads");
   if (p.threads > 0) parallel::set_thread_count(p.threads);
-  if (!p.size.empty()) p.phantom.size = {p.size[0], p.size[1], p.size[2]};
-  if (!p.spacing.empty()) p.phantom.spacing_mm = {p.spacing[0], p.spacing[1], p.spacing[2]};
+  if (!p.size.empty()) p.phantom.size = p.accuracy.size = p.bench.size = {p.size[0], p.size[1], p.size[2]};
+  if (!p.spacing.empty())
+    p.phantom.spacing_mm = p.accuracy.spacing_mm = p.bench.spacing_mm = {p.spacing[0], p.spacing[1], p.spacing[2]};
   return p.chosen();
 }
 
@@ -191,7 +315,13 @@ int main(int argc, char** argv) {
   add_build(p);
   add_bundle_commands(p);
   add_export(p);
+  add_segment(p);
   add_tools(p);
+  add_contours(p);
+  add_accuracy(p);
+  add_fiber_accuracy(p);
+  add_bench(p);
+  add_study(p);
   try {
     p.app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -6,20 +6,14 @@
 
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
+#include "generator/app/image_stages.hpp"
 #include "generator/app/run.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/atlas/atlas.hpp"
 #include "generator/fibers/carry.hpp"
-#include "generator/landmarks/landmarks.hpp"
+#include "generator/labels/presets.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
-#include "generator/segment/body.hpp"
-#include "generator/segment/chambers.hpp"
-#include "generator/segment/diffusion.hpp"
-#include "generator/segment/epicardium.hpp"
-#include "generator/segment/fuse_labels.hpp"
-#include "generator/segment/hierarchy.hpp"
-#include "generator/segment/trachea.hpp"
 #include "generator/segment/vessel.hpp"
 #include "model/error.hpp"
 #include "validation/contour_fit.hpp"
@@ -36,48 +30,33 @@ using Meshes = std::map<std::string, TetMesh>;
 
 const std::vector<std::string> mesh_names = {"myocardium", "chambers", "torso", "trachea", "carotid"};
 
-/// What the label map says and where it came from.
-struct Labelling {
-  LabelVolume labels;
-  Mask trachea;
-};
-auto members(Labelling& l) { return std::tie(l.labels, l.trachea); }
-
 bool wants(const Recipe& recipe, const std::string& mesh) {
   return std::find(recipe.mesh.meshes.begin(), recipe.mesh.meshes.end(), mesh) != recipe.mesh.meshes.end();
 }
 
 void check_recipe(const Recipe& recipe, const BuildOptions& options) {
-  if (recipe.input.ct.empty()) throw UserError("no CT given", "input.ct", "name it in the recipe or with --ct");
+  if (recipe.input.ct.empty() && recipe.input.labels.empty())
+    throw UserError("no CT given", "input.ct", "name it in the recipe or with --ct; or give labels alone");
   for (const auto& mesh : recipe.mesh.meshes)
     if (std::find(mesh_names.begin(), mesh_names.end(), mesh) == mesh_names.end())
       throw UserError(fmt::format("unknown mesh \"{}\"", mesh), "mesh.meshes",
                       fmt::format("known meshes: {}", fmt::join(mesh_names, ", ")));
   if (!wants(recipe, "myocardium"))
     throw UserError("\"myocardium\" is missing: every bundle has it", "mesh.meshes", "add it to the list");
-  InputSettings::describe(
-      [](const char* key, const std::string& path, const char*) {
-        if (!path.empty() && !fs::exists(path))
-          throw UserError("does not exist", path, fmt::format("check input.{}", key));
-      },
-      recipe.input);
+  const auto require = [](const char* section) {
+    return [section](const char* key, const std::string& path, const char*) {
+      if (!path.empty() && !fs::exists(path))
+        throw UserError("does not exist", path, fmt::format("check {}.{}", section, key));
+    };
+  };
+  InputSettings::describe(require("input"), recipe.input);
+  ReplaceSettings::describe(require("replace"), recipe.replace);
+  labels::label_preset(recipe.labels.preset);
+  if (!recipe.replace.landmarks.empty() && chambers_are_marked(recipe.landmarks))
+    throw UserError("all chambers have seeds already, so that none are looked for", "replace.landmarks",
+                    "leave out this file, or the seeds");
   if (fs::exists(options.output) && !options.replace)
     throw UserError("already exists", options.output.string(), "choose another --output, or replace it with --force");
-}
-
-Volume<float> as_float(const CtVolume& ct) {
-  Volume<float> image(ct.grid);
-  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
-  return image;
-}
-
-LabelVolume given_labels(const std::string& path) {
-  LabelVolume labels = adapters::read_labels(path);
-  const auto largest = *std::max_element(labels.voxels.begin(), labels.voxels.end());
-  if (largest > tag(Region::torso))
-    throw UserError(fmt::format("holds the label {}, the largest known one is {}", largest, tag(Region::torso)), path,
-                    "use the tags of a bundle's manifest");
-  return labels;
 }
 
 Mask region_mask(const LabelVolume& labels, Region region) {
@@ -85,12 +64,6 @@ Mask region_mask(const LabelVolume& labels, Region region) {
   std::transform(labels.voxels.begin(), labels.voxels.end(), mask.voxels.begin(),
                  [&](std::uint8_t label) { return static_cast<std::uint8_t>(label == tag(region)); });
   return mask;
-}
-
-bool chambers_are_marked(const Landmarks& landmarks) {
-  for (const char* chamber : {"lv_blood", "rv_blood", "la_blood", "ra_blood"})
-    if (!landmarks.seeds_mm.contains(chamber)) return false;
-  return true;
 }
 
 /// The carotid's seed belongs to its own angiogram.
@@ -106,60 +79,6 @@ void check_seeds_inside(const Grid& grid, const Landmarks& landmarks) {
                                   low.x, low.y, low.z, high.x, high.y, high.z));
 }
 
-/// The recipe's landmarks, completed by those found in the CT where the recipe does not mark all four chambers.
-/// What the recipe gives wins. @collective
-Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
-                             std::vector<std::string>& remarks) {
-  if (chambers_are_marked(given)) return given;
-  const auto found = run.root_stage("landmarks", {ct.key}, [&] { return landmarks::find_landmarks(*ct); });
-  Landmarks all = given;
-  all.seeds_mm.insert(found->landmarks.seeds_mm.begin(), found->landmarks.seeds_mm.end());
-  all.valves.insert(found->landmarks.valves.begin(), found->landmarks.valves.end());
-  if (!all.lv_apex_mm) all.lv_apex_mm = found->landmarks.lv_apex_mm;
-  remarks.push_back(
-      fmt::format("Seeds and valves were found automatically, with a confidence of {:.2f}.", found->confidence));
-  for (const auto& warning : found->warnings) remarks.push_back("Automatic landmarks: " + warning);
-  std::string text = write_landmarks(all);  // what the root found, for every rank
-  parallel::broadcast(run.comm, text);
-  return parse_landmarks(text, "automatic landmarks");
-}
-
-/// The image stages: CT to label map. @collective
-Staged<Labelling> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe) {
-  const auto smooth = run.stage("denoise", {ct.key, recipe_section(recipe, "denoise")},
-                                [&] { return segment::perona_malik(as_float(*ct), recipe.denoise, run.comm); });
-  const auto tree = run.stage("segment", {smooth.key, recipe_section(recipe, "segmentation")},
-                              [&] { return segment::segment(*smooth, recipe.segmentation, run.comm); });
-  const auto chambers =
-      run.root_stage("chambers", {tree.key, recipe_section(recipe, "landmarks"), recipe_section(recipe, "chambers")},
-                     [&] { return segment::split_chambers(*ct, *tree, recipe.landmarks, recipe.chambers); });
-  const auto walls = run.stage("epicardium", {chambers.key, recipe_section(recipe, "epicardium")}, [&] {
-    return segment::epicardium(*ct, *chambers, *tree, recipe.landmarks, recipe.epicardium, run.comm);
-  });
-  const auto body = run.root_stage("body", {chambers.key}, [&] {
-    return segment::segment_body(*ct, *tree, *chambers, recipe.landmarks, recipe.chambers);
-  });
-  return run.root_stage("labels", {walls.key, body.key}, [&] {
-    Labelling result;
-    result.trachea = segment::segment_trachea(*ct, *tree, recipe.landmarks);
-    result.labels = segment::fuse_labels(*chambers, walls->walls, *body, result.trachea);
-    return result;
-  });
-}
-
-Staged<Labelling> read_given_labels(Run& run, const Recipe& recipe, const std::string& hash) {
-  return run.root_stage("labels", {hash}, [&] {
-    Labelling result;
-    result.labels = given_labels(recipe.input.labels);
-    result.trachea = region_mask(result.labels, Region::trachea);
-    return result;
-  });
-}
-
-bool has_voxels(const Mask& mask) {
-  return std::any_of(mask.voxels.begin(), mask.voxels.end(), [](std::uint8_t v) { return v != 0; });
-}
-
 Vec3 carotid_seed(const Recipe& recipe) {
   const auto seed = recipe.landmarks.seeds_mm.find("carotid");
   if (seed == recipe.landmarks.seeds_mm.end())
@@ -167,10 +86,10 @@ Vec3 carotid_seed(const Recipe& recipe) {
   return seed->second;
 }
 
-Meshes make_meshes(const Recipe& recipe, const Labelling& labelling) {
-  Meshes meshes = mesh::mesh_heart(labelling.labels, recipe.mesh);
-  if (wants(recipe, "trachea") && has_voxels(labelling.trachea))
-    meshes["trachea"] = mesh::mesh_vessel(labelling.trachea, Region::trachea, recipe.mesh);
+Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels) {
+  Meshes meshes = mesh::mesh_heart(labels, recipe.mesh);
+  if (wants(recipe, "trachea") && labels::holds(labels, Region::trachea))
+    meshes["trachea"] = mesh::mesh_vessel(region_mask(labels, Region::trachea), Region::trachea, recipe.mesh);
   if (wants(recipe, "carotid") && !recipe.input.carotid.empty()) {
     const Mask lumen = segment::segment_vessel(adapters::read_ct(recipe.input.carotid), carotid_seed(recipe));
     meshes["carotid"] = mesh::mesh_vessel(lumen, Region::carotid, recipe.mesh);
@@ -215,8 +134,11 @@ Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& 
     report.insert(report.end(), rows.begin(), rows.end());
   }
   const Report fiber_rows = validation::check_fibers(
-      meshes.at("myocardium"), {fibers.min_jacobian, fibers.affine_rms_mm, fibers.atlas_overlap}, recipe.validation);
+      meshes.at("myocardium"),
+      {fibers.min_jacobian, fibers.affine_rms_mm, fibers.atlas_overlap, fibers.second_mean_deg, fibers.second_p95_deg},
+      recipe.validation);
   report.insert(report.end(), fiber_rows.begin(), fiber_rows.end());
+  if (ct.voxels.empty()) return report;
   const Report fit_rows = validation::check_contour_fit(meshes.at("myocardium"), ct);
   report.insert(report.end(), fit_rows.begin(), fit_rows.end());
   return report;
@@ -242,7 +164,10 @@ std::string time_log(const Run& run) {
   std::string text;
   double total = 0;
   for (const auto& time : run.times) {
-    text += fmt::format("{:<12} {:8.2f} s{}\n", time.name, time.seconds, time.cached ? "  from the cache" : "");
+    text += fmt::format("{:<12} {:8.2f} s{}\n", time.name, time.seconds,
+                        time.from == From::cache  ? "  from the cache"
+                        : time.from == From::file ? "  from a file"
+                                                  : "");
     total += time.seconds;
   }
   return text + fmt::format("{:<12} {:8.2f} s  on {} ranks\n", "all", total, run.comm.size);
@@ -253,7 +178,7 @@ validation::ReportInput report_input(const Recipe& recipe, const exporters::Bund
   validation::ReportInput input;
   input.name = recipe.name;
   input.version = recipe.version;
-  input.ct = &ct;
+  input.ct = ct.voxels.empty() ? nullptr : &ct;
   input.labels = &bundle.labels;
   input.meshes = &bundle.meshes;
   input.report = &bundle.metrics;
@@ -292,16 +217,76 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   return bundle;
 }
 
-std::vector<StagePlan> stage_plan(const Recipe& recipe) {
+/// As far as it is known: which image stages run depends on what the given labels lack.
+std::vector<StagePlan> stage_plan(const Recipe& recipe, const labels::MissingGroups& missing) {
   std::vector<StagePlan> plan = {{"read", 1}};
-  if (!chambers_are_marked(recipe.landmarks)) plan.push_back({"landmarks", 8});
-  if (recipe.input.labels.empty())
-    for (const StagePlan& stage :
-         std::vector<StagePlan>{{"denoise", 2}, {"segment", 8}, {"chambers", 8}, {"epicardium", 10}, {"body", 5}})
-      plan.push_back(stage);
+  const auto add = [&](bool wanted, const std::string& stage, double weight) {
+    if (wanted) plan.push_back({stage, weight});
+  };
+  const ReplaceSettings& files = recipe.replace;
+  const bool chambers = missing.chambers && files.chambers.empty(), body = missing.body && files.body.empty();
+  const bool parts = files.labels.empty() &&
+                     (missing.any() || !files.chambers.empty() || !files.epicardium.empty() || !files.body.empty());
+  add(!recipe.input.labels.empty(), "given", 3);
+  add(missing.chambers && !chambers_are_marked(recipe.landmarks), "landmarks", 8);
+  add(parts && (chambers || body) && files.segment.empty(), "denoise", 2);
+  add(parts && (chambers || body), "segment", 8);
+  add(parts, "chambers", 8);
+  add(parts, "epicardium", 10);
+  add(parts, "body", 5);
   for (const StagePlan& stage : std::vector<StagePlan>{{"labels", 3}, {"mesh", 25}, {"fibers", 20}, {"bundle", 8}})
     plan.push_back(stage);
   return plan;
+}
+
+/// Regions that meshing and fibres cannot do without.
+void refuse_empty_regions(const LabelVolume& labels, const Recipe& recipe) {
+  if (recipe.input.labels.empty()) return;
+  for (const Region region : needed_regions())
+    if (!labels::holds(labels, region))
+      throw UserError(fmt::format("no voxel is {}, and every heart needs it", region_name(tag(region))),
+                      recipe.input.labels,
+                      "map it in [labels.regions], or let labels.complete have it made from the CT");
+}
+
+/// What the image stages depend on, for recognising their files.
+std::string origin_of(const Recipe& recipe, const Run& run, const std::vector<exporters::BundleInput>& inputs) {
+  std::string text = run.program_hash;
+  for (const char* input : {"ct", "labels", "label_names"}) text += hash_of(inputs, input) + "\n";
+  for (const char* section : {"labels", "landmarks", "denoise", "segmentation", "chambers", "epicardium"})
+    text += recipe_section(recipe, section);
+  return exporters::sha256_of_text(text);
+}
+
+StageFiles stage_files(const Recipe& recipe, const BuildOptions& options) {
+  StageFiles files;
+  files.keep_folder = options.keep_stages;
+  ReplaceSettings::describe(
+      [&](const char* stage, const std::string& file, const char*) {
+        if (!file.empty()) files.replaced_by[stage] = file;
+      },
+      recipe.replace);
+  return files;
+}
+
+/// Leaves in the recipe the files that changed a result, and says so.
+void settle_replacements(const Run& run, ReplaceSettings& replace, std::vector<exporters::BundleInput>& inputs,
+                         std::vector<std::string>& remarks) {
+  const auto changed = [&](const std::string& stage) {
+    return std::any_of(run.files.changed.begin(), run.files.changed.end(),
+                       [&](const auto& entry) { return entry.substr(0, entry.find(' ')) == stage; });
+  };
+  ReplaceSettings::describe(
+      [&](const char* stage, std::string& file, const char*) {
+        if (!file.empty() && changed(stage)) {
+          inputs.push_back(hash_input(stage, file));
+          remarks.push_back(fmt::format("The result of the stage \"{}\" was replaced by the file {}.", stage,
+                                        fs::path(file).filename().string()));
+        } else {
+          file.clear();
+        }
+      },
+      replace);
 }
 
 }  // namespace
@@ -333,32 +318,42 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   Run run;
   run.comm = comm;
   run.cache_folder = options.cache_folder;
-  run.progress = make_progress(stage_plan(recipe), options.progress && comm.is_root());
+  run.progress = make_progress(stage_plan(recipe, {true, true, true}), options.progress && comm.is_root());
+  run.files = stage_files(recipe, options);
   parallel::run_on_root(comm, [&] {
     check_recipe(recipe, options);
     inputs = hash_inputs(recipe);
     run.program_hash = exporters::sha256_of_file("/proc/self/exe");
+    run.files.origin = origin_of(recipe, run, inputs);
   });
 
-  const auto ct = run.root_stage("read", {hash_of(inputs, "ct")}, [&] { return adapters::read_ct(recipe.input.ct); });
+  auto ct = run.root_stage("read", {hash_of(inputs, "ct")},
+                           [&] { return recipe.input.ct.empty() ? CtVolume{} : adapters::read_ct(recipe.input.ct); });
+  const auto known =
+      read_known_labels(run, ct, recipe, hash_of(inputs, "labels") + hash_of(inputs, "label_names"), remarks);
+  run.progress.plan = stage_plan(recipe, known.missing);
+  if (recipe.input.ct.empty()) ct.value.grid = known.given->labels.grid;  // without voxels
+  run.files.grid = ct->grid;
   parallel::run_on_root(comm, [&] { check_seeds_inside(ct->grid, recipe.landmarks); });
-  recipe.landmarks = complete_landmarks(run, ct, recipe.landmarks, remarks);
-  const auto labelling = recipe.input.labels.empty() ? label_ct(run, ct, recipe)
-                                                     : read_given_labels(run, recipe, hash_of(inputs, "labels"));
-  const auto meshes =
-      run.root_stage("mesh", {labelling.key, hash_of(inputs, "carotid"), recipe_section(recipe, "mesh")},
-                     [&] { return make_meshes(recipe, *labelling); });
+  if (known.missing.chambers) recipe.landmarks = complete_landmarks(run, ct, recipe.landmarks, remarks);
+  const auto labels = label_ct(run, ct, recipe, known);
+  parallel::run_on_root(comm, [&] {
+    refuse_empty_regions(*labels, recipe);
+    settle_replacements(run, recipe.replace, inputs, remarks);
+  });
+  const auto meshes = run.root_stage("mesh", {labels.key, hash_of(inputs, "carotid"), recipe_section(recipe, "mesh")},
+                                     [&] { return make_meshes(recipe, *labels); });
   const auto fibers = run.root_stage(
       "fibers",
       {meshes.key, hash_of(inputs, "atlas"), recipe_section(recipe, "landmarks"), recipe_section(recipe, "fibers")},
       [&] {
-        return fibers::carry_fibers(meshes->at("myocardium"), labelling->labels, recipe.landmarks, read_atlas(recipe),
+        return fibers::carry_fibers(meshes->at("myocardium"), *labels, recipe.landmarks, read_atlas(recipe),
                                     recipe.fibers);
       });
   BuildResult result;
   run.cache_folder.clear();  // the bundle itself is on disk: no second copy
   const auto content_id = run.root_stage("bundle", {}, [&] {
-    auto bundle = make_bundle(recipe, *ct, labelling->labels, *meshes, *fibers, inputs, remarks);
+    auto bundle = make_bundle(recipe, *ct, *labels, *meshes, *fibers, inputs, remarks);
     bundle.logs["build.log"] = time_log(run);
     result.metrics = bundle.metrics;
     return exporters::write_bundle(bundle, options.output,

@@ -12,6 +12,7 @@ namespace heart::app {
 struct BuildOptions {
   std::filesystem::path output;        ///< folder of the bundle
   std::filesystem::path cache_folder;  ///< stage results; empty: no cache
+  std::filesystem::path keep_stages;   ///< where the image stages' results are written as files; empty: nowhere
   bool replace = false;                ///< replace an existing bundle
   bool progress = true;
 };

@@ -60,9 +60,35 @@ bool Run::agreed(bool on_root) const {
   return text == "1";
 }
 
-void Run::record(const std::string& name, double seconds, bool cached) {
-  times.push_back({name, seconds, cached});
-  stage_ends(progress, name, cached ? "from the cache" : fmt::format("{:.1f} s", seconds));
+void Run::record(const std::string& name, double seconds, From from) {
+  times.push_back({name, seconds, from});
+  stage_ends(progress, name,
+             from == From::cache  ? "from the cache"
+             : from == From::file ? "from the given file"
+                                  : fmt::format("{:.1f} s", seconds));
+}
+
+std::string Run::hash_of_bytes(const std::string& bytes) { return exporters::sha256_of_text(bytes); }
+
+/// What a result was made from: the inputs and settings of the image stages, and the files that came in between.
+std::string Run::origin_so_far() const {
+  std::string text = files.origin;
+  for (const auto& stage : files.changed) text += "\n" + stage;
+  return exporters::sha256_of_text(text);
+}
+
+/// The stage's own key for the result that it would make itself, else a new one. @collective
+std::string Run::replacement_key(const std::string& name, const std::string& file, std::string contents) {
+  std::string key;
+  if (comm.is_root()) {
+    const StageRecord known = read_stage_record(fs::path(file).parent_path(), name);
+    if (known.contents == contents && known.origin == origin_so_far()) key = known.key;
+  }
+  parallel::broadcast(comm, contents);
+  parallel::broadcast(comm, key);
+  if (!key.empty()) return key;
+  files.changed.push_back(name + " " + contents);
+  return exporters::sha256_of_text(files.changed.back());
 }
 
 void Run::rethrow_in_stage(const std::string& name) {

@@ -9,6 +9,7 @@
 
 #include "generator/app/archive.hpp"
 #include "generator/app/progress.hpp"
+#include "generator/app/stage_files.hpp"
 #include "generator/parallel/comm.hpp"
 
 namespace heart::app {
@@ -22,10 +23,12 @@ struct Staged {
   const T* operator->() const { return &value; }
 };
 
+enum class From { making, cache, file };
+
 struct StageTime {
   std::string name;
   double seconds = 0;
-  bool cached = false;
+  From from = From::making;
 };
 
 struct Run {
@@ -34,6 +37,7 @@ struct Run {
   std::string program_hash;            ///< of this executable: a new program trusts no old results
   Progress progress;
   std::vector<StageTime> times{};
+  StageFiles files{};
 
   /// `make` runs on every rank together. Its result counts on the root only. @collective
   template <class F>
@@ -58,13 +62,44 @@ struct Run {
     const auto start = std::chrono::steady_clock::now();
     Staged<T> result{T{}, stage_key(name, inputs)};
     stage_begins(progress, name);
-    const bool cached = load(result);
-    if (!cached) {
-      with_context(name, [&] { result.value = make(); });
-      save(result);
+    From from = From::file;
+    if (!replace(name, result)) {
+      from = load(result) ? From::cache : From::making;
+      if (from == From::making) {
+        with_context(name, [&] { result.value = make(); });
+        save(result);
+      }
+      keep(name, result);
     }
-    record(name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), cached);
+    record(name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), from);
     return result;
+  }
+
+  /// Takes the result from a file where one is given. An unchanged one keeps the stage's key.
+  template <class T>
+  bool replace(const std::string& name, Staged<T>& result) {
+    if constexpr (has_stage_file<T>) {
+      const auto file = files.replaced_by.find(name);
+      if (file == files.replaced_by.end()) return false;
+      result.key = replacement_key(name, file->second, parallel::run_on_root(comm, [&] {
+                                     read_stage_file(file->second, files.grid, result.value);
+                                     return contents_hash(result.value);
+                                   }));
+      return true;
+    } else {
+      return false;
+    }
+  }
+
+  template <class T>
+  void keep(const std::string& name, const Staged<T>& result) {
+    if constexpr (has_stage_file<T>) {
+      if (files.keep_folder.empty()) return;
+      parallel::run_on_root(comm, [&] {
+        write_stage_file(files.keep_folder, name, result.value);
+        write_stage_record(files.keep_folder, name, {origin_so_far(), result.key, contents_hash(result.value)});
+      });
+    }
   }
 
   template <class T>
@@ -104,7 +139,17 @@ struct Run {
   bool read_entry(const std::string& key, std::string& bytes) const;
   void write_entry(const std::string& key, const std::string& bytes) const;
   bool agreed(bool on_root) const;
-  void record(const std::string& name, double seconds, bool cached);
+  void record(const std::string& name, double seconds, From from);
+  std::string origin_so_far() const;
+  std::string replacement_key(const std::string& name, const std::string& file, std::string contents);
+  static std::string hash_of_bytes(const std::string& bytes);
+
+  template <class T>
+  static std::string contents_hash(const T& value) {
+    Writer writer;
+    writer.put(value);
+    return hash_of_bytes(writer.bytes);
+  }
   [[noreturn]] static void rethrow_in_stage(const std::string& name);
 };
 

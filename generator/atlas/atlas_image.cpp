@@ -6,6 +6,7 @@
 
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/resample.hpp"
 #include "generator/atlas/ventricles.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
@@ -318,6 +319,20 @@ void split_walls(Volume<std::uint8_t>& parts, double lv_thickness_mm) {
   }
 }
 
+/// Where the walls join, a mesh with one vector per node mixes their directions within its cells: about two edges far.
+double mixing_reach_mm(const FiberAtlas& atlas) {
+  constexpr double edges = 2, most_mm = 12;
+  double sum = 0, count = 0;
+  for (const Cell& cell : atlas.cells)
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = a + 1; b < 4; ++b) {
+        sum += norm(atlas.points_mm[static_cast<std::size_t>(cell[a])] -
+                    atlas.points_mm[static_cast<std::size_t>(cell[b])]);
+        ++count;
+      }
+  return count > 0 ? std::min(edges * sum / count, most_mm) : 0;
+}
+
 Volume<Vec3> voxel_fibers(const FiberAtlas& atlas, const Grid& grid) {
   Volume<Vec3> fiber(grid);
   for_voxels_in_mesh(grid, atlas, [&](std::int64_t v, const std::array<double, 4>& weights, const Cell& cell) {
@@ -358,9 +373,13 @@ AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm) {
   split_walls(parts, std::max(first, second));
   image.ventricles.frame = heart_frame(parts, base, down);
   image.fiber = voxel_fibers(standing, grid);
-  for (std::int64_t v = 0; v < grid.voxel_count(); ++v) {
-    const double z = grid.origin_mm.z + grid.spacing_mm.z * static_cast<double>(v / (grid.size[0] * grid.size[1]));
-    if (z > base.z) image.fiber.voxels[static_cast<std::size_t>(v)] = {};
+  const auto to_lv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::lv_wall); }));
+  const auto to_rv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::rv_wall); }));
+  const double reach_mm = mixing_reach_mm(atlas);
+  image.mixed = Mask(grid);
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    image.mixed.voxels[v] = std::max(to_lv.voxels[v], to_rv.voxels[v]) < reach_mm;
+    if (voxel_center(grid, static_cast<std::int64_t>(v)).z > base.z) image.fiber.voxels[v] = {};
   }
   return image;
 }

@@ -16,6 +16,7 @@ constexpr double least_fraction = 0.1;  // a surface nearer to a voxel centre th
 constexpr int continued_layers = 5;
 constexpr double surface_smoothing_voxels = 1.5;
 constexpr double normal_smoothing_mm = 2;
+constexpr double basal_thicknesses = 0.7, basal_mm = 2;  // so near to its end a wall is continued from below
 
 enum class Beyond : std::uint8_t { wall, endocardium, epicardium, closed };
 
@@ -239,36 +240,80 @@ std::vector<double> arc_length(const WallVoxels& voxels, const std::vector<Vec3>
   return length;
 }
 
-/// One more layer of voxels around the known ones, each the mean of its known neighbours' linear continuations.
-void continue_one_layer(WallCoordinates& c) {
+/// Offsets of the 26 neighbours.
+constexpr std::array<std::array<int, 3>, 26> neighbors26 = [] {
+  std::array<std::array<int, 3>, 26> result{};
+  std::size_t n = 0;
+  for (int c = -1; c <= 1; ++c)
+    for (int b = -1; b <= 1; ++b)
+      for (int a = -1; a <= 1; ++a)
+        if (a != 0 || b != 0 || c != 0) result[n++] = {a, b, c};
+  return result;
+}();
+
+/// Unknown voxels that touch one of `around`, ascending, each once.
+std::vector<std::int64_t> unknown_around(const Mask& known, const std::vector<std::int64_t>& around) {
+  const Grid& g = known.grid;
+  std::vector<std::int64_t> result;
+  for (const auto v : around) {
+    const std::int64_t i = v % g.size[0], j = v / g.size[0] % g.size[1], k = v / (g.size[0] * g.size[1]);
+    for (const auto& s : neighbors26)
+      if (g.contains(i + s[0], j + s[1], k + s[2]) && !known(i + s[0], j + s[1], k + s[2]))
+        result.push_back(g.offset(i + s[0], j + s[1], k + s[2]));
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+/// Mean of the known neighbours' linear continuations.
+struct Continued {
+  double depth = 0, thickness_mm = 0;
+  Vec3 normal;
+};
+
+Continued continued_at(const WallCoordinates& c, std::int64_t v) {
   const Grid& g = c.known.grid;
-  const Mask before = c.known;
-  parallel::parallel_for(0, g.size[2], [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t k = begin; k < end; ++k)
-      for (std::int64_t j = 0; j < g.size[1]; ++j)
-        for (std::int64_t i = 0; i < g.size[0]; ++i) {
-          if (before(i, j, k)) continue;
-          double count = 0, depth = 0, thickness = 0;
-          Vec3 normal;
-          for (int step = 0; step < 27; ++step) {
-            const int a = step % 3 - 1, b = step / 3 % 3 - 1, e = step / 9 - 1;
-            if (!g.contains(i + a, j + b, k + e) || !before(i + a, j + b, k + e)) continue;
-            const Vec3 n = c.normal(i + a, j + b, k + e);
-            const double wall = c.thickness_mm(i + a, j + b, k + e);
-            const Vec3 offset =
-                -g.spacing_mm.x * Vec3{static_cast<double>(a), static_cast<double>(b), static_cast<double>(e)};
-            depth += c.depth(i + a, j + b, k + e) + dot(n, offset) / wall;
-            thickness += wall;
-            normal += n;
-            ++count;
-          }
-          if (count == 0 || norm(normal) < 1e-6) continue;
-          c.known(i, j, k) = 2;
-          c.depth(i, j, k) = static_cast<float>(depth / count);
-          c.thickness_mm(i, j, k) = static_cast<float>(thickness / count);
-          c.normal(i, j, k) = normalized(normal);
-        }
-  });
+  const std::int64_t i = v % g.size[0], j = v / g.size[0] % g.size[1], k = v / (g.size[0] * g.size[1]);
+  Continued result;
+  double count = 0;
+  for (const auto& s : neighbors26) {
+    if (!g.contains(i + s[0], j + s[1], k + s[2])) continue;
+    const auto from = static_cast<std::size_t>(g.offset(i + s[0], j + s[1], k + s[2]));
+    if (!c.known.voxels[from]) continue;
+    const Vec3 offset_mm =
+        -g.spacing_mm.x * Vec3{static_cast<double>(s[0]), static_cast<double>(s[1]), static_cast<double>(s[2])};
+    result.depth += c.depth.voxels[from] + dot(c.normal.voxels[from], offset_mm) / c.thickness_mm.voxels[from];
+    result.thickness_mm += c.thickness_mm.voxels[from];
+    result.normal += c.normal.voxels[from];
+    ++count;
+  }
+  result.depth /= count;
+  result.thickness_mm /= count;
+  return result;
+}
+
+/// Continues the coordinates around the known voxels, layer by layer.
+void continue_layers(WallCoordinates& c, int layers) {
+  std::vector<std::int64_t> front;
+  for (std::size_t v = 0; v < c.known.voxels.size(); ++v)
+    if (c.known.voxels[v]) front.push_back(static_cast<std::int64_t>(v));
+  for (int layer = 0; layer < layers; ++layer) {
+    front = unknown_around(c.known, front);
+    std::vector<Continued> values(front.size());
+    parallel::parallel_for(0, static_cast<std::int64_t>(front.size()), [&](std::int64_t begin, std::int64_t end) {
+      for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+        values[n] = continued_at(c, front[n]);
+    });
+    for (std::size_t n = 0; n < front.size(); ++n) {
+      if (norm(values[n].normal) < 1e-6) continue;
+      const auto v = static_cast<std::size_t>(front[n]);
+      c.known.voxels[v] = 2;
+      c.depth.voxels[v] = static_cast<float>(values[n].depth);
+      c.thickness_mm.voxels[v] = static_cast<float>(values[n].thickness_mm);
+      c.normal.voxels[v] = normalized(values[n].normal);
+    }
+  }
 }
 
 /// Mean normals of the wall around each of its voxels: label maps have steps, walls have not.
@@ -283,6 +328,28 @@ void smooth_normals(WallCoordinates& c) {
       if (c.known.voxels[v]) c.normal.voxels[v][axis] = component.voxels[v];
   }
   for (Vec3& n : c.normal.voxels) n = normalized(n);
+}
+
+double median_of(const std::vector<double>& inner, const std::vector<double>& outer) {
+  std::vector<double> sums(inner.size());
+  for (std::size_t v = 0; v < sums.size(); ++v) sums[v] = inner[v] + outer[v];
+  if (sums.empty()) return 0;
+  const auto half = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
+  std::nth_element(sums.begin(), half, sums.end());
+  return *half;
+}
+
+/// Forgets the wall nearer to its basal end than `reach_mm`: valves and roots bend its surfaces there. Returns the
+/// number of layers in which it is to be continued from below.
+int forget_basal_end(const Volume<std::uint8_t>& parts, double reach_mm, Mask& known) {
+  const auto to_other = distance_to(mask_where(parts, [](auto v) { return is(v, Part::other); }));
+  bool any = false;
+  for (std::size_t v = 0; v < known.voxels.size(); ++v) {
+    if (!known.voxels[v] || to_other.voxels[v] >= reach_mm) continue;
+    known.voxels[v] = 0;
+    any = true;
+  }
+  return any ? static_cast<int>(reach_mm / parts.grid.spacing_mm.x) : 0;
 }
 
 }  // namespace
@@ -310,7 +377,9 @@ WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
     result.normal(i, j, k) = norm(blended) > 0.1 ? normalized(blended) : path[v];
   }
   smooth_normals(result);
-  for (int layer = 0; layer < continued_layers; ++layer) continue_one_layer(result);
+  const double basal_end_mm = basal_thicknesses * median_of(inner, outer) + basal_mm;
+  const int layers = continued_layers + forget_basal_end(parts, basal_end_mm, result.known);
+  continue_layers(result, layers);
   return result;
 }
 

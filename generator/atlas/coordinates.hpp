@@ -3,6 +3,7 @@
 // TMI 22, 2003). Laplace's solution itself, taken as a depth, is biased where walls are thick and curved.
 // The endocardium is where the wall meets its own cavity; the epicardium is its other surface: for the left ventricle
 // also the septum's right side; for the right ventricle the outside only (nothing flows where it meets the left wall).
+// Near atria and vessels, where valves bend the surfaces, the wall is continued from below.
 // Not collective; the same bits for any number of threads.
 #pragma once
 #include <optional>

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/resample.hpp"
+#include "generator/atlas/trabeculae.hpp"
+#include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
@@ -18,7 +21,7 @@ namespace {
 constexpr std::array<std::array<int, 3>, 6> faces{
     {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 constexpr double grid_margin_mm = 12;
-constexpr double trabecula_mm = 12;  // balls rolling on a cavity's far side must bridge the gaps between trabeculae
+constexpr double trabeculae_resolved_mm = 2;  // in coarser labels an opening would only follow the voxels' steps
 
 template <class Keep>
 std::vector<Vec3> centers_where(const Volume<std::uint8_t>& parts, Keep&& keep) {
@@ -139,34 +142,74 @@ Volume<std::uint8_t> parts_of_labels(const LabelVolume& labels) {
   return parts;
 }
 
-/// Trabeculae count as cavity: the wall that a ball of `radius_mm` rolling on the cavity's far side cannot reach. They
-/// run along the heart and have no helix; what lies under them would otherwise get too large a depth.
-void close_cavity(Volume<std::uint8_t>& parts, Part wall, Part cavity, double radius_mm) {
-  const auto to_cavity = distance_to(mask_where(parts, [&](auto v) { return is(v, cavity); }));
-  Mask far(parts.grid);
-  for (std::size_t v = 0; v < far.voxels.size(); ++v) far.voxels[v] = to_cavity.voxels[v] > radius_mm;
-  const auto to_far = distance_to(far);
-  for (std::size_t v = 0; v < far.voxels.size(); ++v)
-    if (is(parts.voxels[v], wall) && to_far.voxels[v] > radius_mm) parts.voxels[v] = tag(cavity);
+/// Where a ventricle opens: the disc of a valve, its normal out of the ventricle.
+struct Opening {
+  Vec3 center_mm, normal;
+  double radius_mm = 0;
+};
+
+/// The disc in which blood of `ventricle` touches blood of `beyond`; empty where fewer than 20 voxels do.
+std::optional<Opening> contact_disc(const LabelVolume& labels, Region ventricle, Region beyond) {
+  constexpr std::size_t least_voxels = 20;
+  const Grid& g = labels.grid;
+  std::vector<Vec3> points;
+  Vec3 across;
+  for (std::int64_t k = 0; k < g.size[2]; ++k)
+    for (std::int64_t j = 0; j < g.size[1]; ++j)
+      for (std::int64_t i = 0; i < g.size[0]; ++i) {
+        if (labels(i, j, k) != tag(ventricle)) continue;
+        bool touches = false;
+        for (const auto& s : faces) {
+          if (!g.contains(i + s[0], j + s[1], k + s[2]) || labels(i + s[0], j + s[1], k + s[2]) != tag(beyond))
+            continue;
+          touches = true;
+          across += lps_from_axes(g, {static_cast<double>(s[0]), static_cast<double>(s[1]), static_cast<double>(s[2])});
+        }
+        if (touches) points.push_back(voxel_center(g, g.offset(i, j, k)));
+      }
+  if (points.size() < least_voxels || norm(across) < 1e-6) return std::nullopt;
+  Opening opening{mean_of(points), normalized(across)};
+  for (const Vec3& p : points) opening.radius_mm = std::max(opening.radius_mm, norm(p - opening.center_mm));
+  return opening;
 }
 
-/// What lies beyond a valve's plane, and the walls of atria and vessels, is no epicardium: muscle that faces it ends
-/// there as at a cut.
-void close_base(Volume<std::uint8_t>& parts, const Landmarks& landmarks) {
-  constexpr double reach_mm = 4, rim_mm = 12;  // of vessel walls and fat in the grooves; of muscle around a valve
-  const auto to_other = distance_to(mask_where(parts, [](auto v) { return is(v, Part::other); }));
-  const auto beyond = [&](const Vec3& p) {
-    for (const auto& [name, valve] : landmarks.valves) {
-      const Vec3 d = p - valve.center_mm;
-      const double height = dot(d, valve.normal);
-      if (height > 0 && norm(d - height * valve.normal) < valve.radius_mm + rim_mm) return true;
-    }
-    return false;
+std::vector<Opening> openings_of(const LabelVolume& labels, const Landmarks& landmarks) {
+  struct Valve {
+    const char* name;
+    Region ventricle, beyond;
   };
-  for (std::size_t v = 0; v < parts.voxels.size(); ++v)
-    if (is(parts.voxels[v], Part::outside) &&
-        (to_other.voxels[v] <= reach_mm || beyond(voxel_center(parts.grid, static_cast<std::int64_t>(v)))))
-      parts.voxels[v] = tag(Part::other);
+  constexpr std::array<Valve, 4> valves{{{"mitral", Region::lv_blood, Region::la_blood},
+                                         {"aortic", Region::lv_blood, Region::aorta},
+                                         {"tricuspid", Region::rv_blood, Region::ra_blood},
+                                         {"pulmonary", Region::rv_blood, Region::pulmonary_artery}}};
+  std::vector<Opening> openings;
+  for (const Valve& valve : valves) {
+    if (const auto known = landmarks.valves.find(valve.name); known != landmarks.valves.end())
+      openings.push_back({known->second.center_mm, known->second.normal, known->second.radius_mm});
+    else if (const auto found = contact_disc(labels, valve.ventricle, valve.beyond))
+      openings.push_back(*found);
+  }
+  return openings;
+}
+
+/// Only what lies beyond a valve is no epicardium: muscle that faces it ends there as at a cut. Where atria and vessels
+/// lie upon a ventricle, its wall has its outer surface like anywhere else.
+void close_base(Volume<std::uint8_t>& parts, const std::vector<Opening>& openings) {
+  constexpr double rim_mm = 12;  // of muscle around a valve
+  const auto beyond = [&](const Vec3& p) {
+    return std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
+      const Vec3 d = p - opening.center_mm;
+      const double height = dot(d, opening.normal);
+      return height > 0 && norm(d - height * opening.normal) < opening.radius_mm + rim_mm;
+    });
+  };
+  parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v) {
+      auto& part = parts.voxels[static_cast<std::size_t>(v)];
+      if (is(part, Part::outside) || is(part, Part::other))
+        part = tag(beyond(voxel_center(parts.grid, v)) ? Part::other : Part::outside);
+    }
+  });
 }
 
 /// Direction of the left ventricle's largest extent, from the blood's side (base) to the wall's side (apex).
@@ -184,29 +227,10 @@ Vec3 rough_axis(const LabelVolume& labels) {
   return dot(axis, mean_of(wall) - middle) < 0 ? -axis : axis;
 }
 
-/// Voxels of left ventricular blood that touch left atrial blood.
-std::vector<Vec3> mitral_contact(const LabelVolume& labels) {
-  std::vector<Vec3> contact;
-  const auto& g = labels.grid;
-  for (std::int64_t k = 0; k < g.size[2]; ++k)
-    for (std::int64_t j = 0; j < g.size[1]; ++j)
-      for (std::int64_t i = 0; i < g.size[0]; ++i) {
-        if (labels(i, j, k) != tag(Region::lv_blood)) continue;
-        for (const auto& s : faces)
-          if (g.contains(i + s[0], j + s[1], k + s[2]) &&
-              labels(i + s[0], j + s[1], k + s[2]) == tag(Region::la_blood)) {
-            contact.push_back(voxel_center(g, g.offset(i, j, k)));
-            break;
-          }
-      }
-  return contact;
-}
-
 Vec3 patient_base_point(const LabelVolume& labels, const Landmarks& landmarks, const Vec3& axis) {
   if (const auto mitral = landmarks.valves.find("mitral"); mitral != landmarks.valves.end())
     return mitral->second.center_mm;
-  const auto contact = mitral_contact(labels);
-  if (contact.size() >= 20) return mean_of(contact);
+  if (const auto contact = contact_disc(labels, Region::lv_blood, Region::la_blood)) return contact->center_mm;
   std::vector<double> along;
   std::vector<Vec3> blood;
   for (std::size_t v = 0; v < labels.voxels.size(); ++v)
@@ -280,9 +304,7 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   const bool atria = has_atria(labels);
   Ventricles result;
   result.parts = resampled(parts_of_labels(papillary_as_blood(labels)), grid);
-  close_cavity(result.parts, Part::lv_wall, Part::lv_cavity, trabecula_mm);
-  close_cavity(result.parts, Part::rv_wall, Part::rv_cavity, trabecula_mm);
-  if (atria) close_base(result.parts, landmarks);
+  if (atria) close_base(result.parts, openings_of(labels, landmarks));
   Vec3 normal = rough_axis(labels);
   const Vec3 base = patient_base_point(labels, landmarks, normal);
   // The atlas is cut across its long axis; so is the patient, hence the plane follows the axis found under it.
@@ -292,7 +314,26 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   }
   result.frame = heart_frame(result.parts, base, normal);
   if (!atria) mirror_above_base(result.parts, result.frame.base_point_mm, result.frame.base_normal);
+  const Vec3& voxel = labels.grid.spacing_mm;
+  if (std::max({voxel.x, voxel.y, voxel.z}) <= trabeculae_resolved_mm)
+    for (const Part wall : {Part::lv_wall, Part::rv_wall}) give_trabeculae_to_cavity(result.parts, wall);
   return result;
+}
+
+AtlasImage image_of_labels(const LabelVolume& labels, const Volume<Vec3>& fiber, const Landmarks& landmarks,
+                           double spacing_mm) {
+  AtlasImage image;
+  image.ventricles = ventricles_of_labels(labels, landmarks, spacing_mm);
+  const auto& parts = image.ventricles.parts;
+  image.fiber = Volume<Vec3>(parts.grid);
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    const Vec3 p = voxel_center(parts.grid, static_cast<std::int64_t>(v));
+    if (!is_wall(parts.voxels[v])) continue;
+    const Vec3 index = index_from_lps(fiber.grid, p);
+    const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
+    if (fiber.grid.contains(i, j, k)) image.fiber.voxels[v] = normalized(fiber(i, j, k));
+  }
+  return image;
 }
 
 }  // namespace heart::atlas

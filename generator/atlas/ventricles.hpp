@@ -14,8 +14,7 @@ enum class Part : std::uint8_t {
   rv_wall = 2,
   lv_cavity = 3,
   rv_cavity = 4,
-  other = 5,  ///< atria, great vessels, what lies close to them or beyond a valve: a wall that meets it ends there as
-              ///< at a cut, at neither of its surfaces
+  other = 5,  ///< what lies beyond a valve: a wall that meets it ends there as at a cut, at neither of its surfaces
 };
 
 constexpr std::uint8_t tag(Part part) { return static_cast<std::uint8_t>(part); }
@@ -52,8 +51,14 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
 /// An atlas on a grid, in a frame of its own: the base at the top (+z), the apex below.
 struct AtlasImage {
   Ventricles ventricles;
-  Volume<Vec3> fiber;  ///< unit axis per wall voxel of the mesh below the base; zero elsewhere
+  Volume<Vec3> fiber;  ///< unit axis per wall voxel below the base; zero elsewhere
+  Mask mixed;          ///< 1 where the file itself mixes both ventricles' axes; empty where it nowhere does
 };
+
+/// An atlas given as an image: labels (tags of labels.hpp, chambers included) and axes on the same grid, zero where
+/// unknown. Treated like a patient. Throws UserError when a ventricle is missing.
+AtlasImage image_of_labels(const LabelVolume& labels, const Volume<Vec3>& fiber, const Landmarks& landmarks,
+                           double spacing_mm);
 
 /// Fills the mesh's cavities, tells the ventricles apart by the thickness of their walls, and cuts where the cavities
 /// are no longer enclosed. Throws UserError when there are not two cavities.

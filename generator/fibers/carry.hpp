@@ -22,6 +22,8 @@ struct FiberResult {
   double min_jacobian = 0;               ///< smallest Jacobian of the warp on its grid; > 0: it folds nowhere
   double affine_rms_mm = 0;              ///< misfit of the clipped distance maps after the affine step
   double atlas_overlap = 0;              ///< Dice of the ventricular walls after the warp
+  double second_mean_deg = 0;            ///< mean angle between the chosen method's axes and the second best's, and its
+  double second_p95_deg = 0;             ///< 95th percentile, over the ventricles' nodes where both have an axis
   std::vector<std::string> warnings;     ///< what a reader of the certificate should look at
 };
 

@@ -1,6 +1,6 @@
 // Carrying fibres as angles: the atlas's axes, written in its wall's own directions (circumferential, longitudinal,
-// normal), are looked up at the registered position *and* the same wall depth, and rebuilt in the directions of the
-// patient's wall. So neither the stretching of the warp nor a different wall thickness turns a fibre.
+// normal), are looked up at a corresponding place and the same wall depth, and rebuilt in the directions of the
+// patient's wall. So neither the stretching of a warp nor a different wall thickness turns a fibre.
 #pragma once
 #include <array>
 #include <vector>
@@ -10,24 +10,31 @@
 
 namespace heart::fibers {
 
+/// Where a point lies in a wall, scaled so that a distance of 1 means "as near as a neighbour should be".
+using WallFeature = std::array<double, 4>;
+
+/// By place: position in the atlas's frame (in units of 5 mm) and depth (0.04).
+WallFeature place_feature(const Vec3& atlas_mm, double depth);
+
+/// By coordinates: depth (0.04), height along the long axis as a share of the heart's length (0.05), and the angle
+/// around `center_mm` (0.15 rad); comparable between hearts without a registration.
+WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
+                               double depth);
+
 /// The known axes of one ventricle of the atlas.
 struct AngleSamples {
-  std::vector<Vec3> position_mm;          ///< in the atlas's frame
-  std::vector<double> depth;              ///< 0 to 1
+  std::vector<WallFeature> feature;
   std::vector<atlas::AxisTensor> tensor;  ///< dyad of the axis in (circumferential, longitudinal, normal)
 };
 
-/// Of the wall's voxels below the base; the right ventricle's without those within 6 mm of the left wall.
-AngleSamples angle_samples(const atlas::AtlasImage& image, atlas::Part wall);
-
 /// A point of the patient's wall.
 struct AngleQuery {
-  Vec3 atlas_mm;        ///< where it lies in the atlas
-  atlas::WallPoint at;  ///< its depth and directions in the patient
+  WallFeature feature;  ///< of the same kind as the samples'
+  atlas::WallPoint at;  ///< its directions in the patient
 };
 
 /// Dyad of a unit axis per query, in the patient's frame: linear regression of the samples' tensors on the 24 nearest
-/// in (position / 5 mm, depth / 0.04). `samples` must not be empty.
+/// features. `samples` must not be empty. The same bits for any number of threads.
 std::vector<atlas::AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries);
 
 }  // namespace heart::fibers

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "generator/landmarks/statistics.hpp"
 
@@ -55,6 +56,23 @@ void check_volumes(const Findings& findings, Report& report) {
       report.warn(minor, fmt::format("{} holds {:.0f} ml, expected {:.0f} to {:.0f}", range.name, at->second, range.low,
                                      range.high));
   }
+}
+
+/// With this little contrast usual anatomy decides as much as the image does.
+void check_contrast(const Findings& findings, Report& report) {
+  constexpr double hardly_any_hu = 10;
+  if (!findings.faint || !has_right_heart(findings)) return;
+  const double hu = findings.faint->difference_hu();
+  const char* side = hu < 0 ? "darker" : "brighter";
+  if (std::abs(hu) < hardly_any_hu)
+    report.warn(severe, fmt::format("the right heart's blood is only {:.0f} HU {} than muscle: its contours follow "
+                                    "usual wall thicknesses, its valve planes may be 10 mm off; check them, or use a "
+                                    "scan with contrast in the right heart",
+                                    std::abs(hu), side));
+  else
+    report.warn(minor, fmt::format("the right heart's blood is only {:.0f} HU {} than muscle: check its contours and "
+                                   "the tricuspid valve",
+                                   std::abs(hu), side));
 }
 
 void check_valve_shapes(const Findings& findings, Report& report) {
@@ -150,6 +168,7 @@ void check_anatomy(const Findings& findings, FoundLandmarks& found) {
   if (findings.ventricle_certainty < sure)
     report.warn(severe, fmt::format("another pool looks like a left ventricle too (certainty {:.2f})",
                                     findings.ventricle_certainty));
+  check_contrast(findings, report);
   check_volumes(findings, report);
   check_valve_shapes(findings, report);
   check_angles(findings, report);

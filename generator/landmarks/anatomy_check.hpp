@@ -1,8 +1,11 @@
 // Private to this folder: does what was found look like the heart of an adult?
 #pragma once
+#include <optional>
+
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/landmarks/long_axis.hpp"
 #include "generator/landmarks/valves.hpp"
+#include "generator/segment/faint_blood.hpp"
 
 namespace heart::landmarks {
 
@@ -12,7 +15,8 @@ struct Findings {
   const LongAxis& axis;
   const std::map<std::string, double>& volumes_ml;
   double ventricle_certainty = 0;
-  double left_of_spine_mm = 0;  ///< middle of the heart's blood
+  double left_of_spine_mm = 0;                    ///< middle of the heart's blood
+  std::optional<segment::FaintContrast> faint{};  ///< of the right heart, where it was found by that
 };
 
 /// Fills warnings and confidence.

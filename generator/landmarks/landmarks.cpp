@@ -5,10 +5,12 @@
 #include "generator/landmarks/anatomy_check.hpp"
 #include "generator/landmarks/assign.hpp"
 #include "generator/landmarks/blood.hpp"
+#include "generator/landmarks/faint_right_heart.hpp"
 #include "generator/landmarks/right_heart.hpp"
 #include "generator/landmarks/search.hpp"
 #include "generator/landmarks/trachea.hpp"
 #include "generator/landmarks/valves.hpp"
+#include "generator/segment/faint_right_heart.hpp"
 #include "model/error.hpp"
 
 namespace heart::landmarks {
@@ -62,7 +64,8 @@ struct Chambers {
   LongAxis axis;
   double left_of_spine_mm = 0;  ///< middle of the heart's blood
   double ventricle_certainty = 0;
-  bool streaks = false;  ///< in the right heart
+  bool streaks = false;                         ///< in the right heart
+  std::optional<segment::FaintContrast> faint;  ///< grey values of a right heart with little contrast
 };
 
 /// One attempt with one local threshold; nothing where the left ventricle has no two neighbours.
@@ -80,6 +83,10 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   const auto right = find_right_heart(basins, pools, *left);
   chambers.labels = label_map(basins, assign_basins(basins, pools, *left, right));
   chambers.axis = find_long_axis(chambers.labels, chambers.image.smooth);
+  const double muscle_hu = pools.at(left->ventricle.front()).shell_hu;
+  if (right == 0 || pools.at(right).hu < muscle_hu + segment::faint_contrast_hu)
+    chambers.faint = add_faint_right_heart(chambers.labels, chambers.image, segment::crop(scene.region, box),
+                                           chambers.axis, scene.contrast, muscle_hu);
   chambers.left_of_spine_mm = centre.x - scene.spine.at(centre.z).x;
   chambers.ventricle_certainty = left->certainty;
   chambers.streaks = split_right_heart(chambers.labels, chambers.image.smooth, chambers.axis);
@@ -138,7 +145,7 @@ SearchResult search(const CtVolume& ct) {
   found.landmarks.lv_apex_mm = chambers.axis.apex_mm;
   found.long_axis = chambers.axis.direction;
   check_anatomy({chambers.labels, valves, chambers.axis, found.volumes_ml, chambers.ventricle_certainty,
-                 chambers.left_of_spine_mm},
+                 chambers.left_of_spine_mm, chambers.faint},
                 found);
   result.chambers = chambers.labels;
   return result;

@@ -67,15 +67,18 @@ void measure_shell(const Volume<float>& smooth, const Mask& muscle, const Volume
   const auto distance = segment::distance_to(
       mask_where(labels.grid, [&](const Vec3&, std::size_t v) { return labels.voxels[v] == label; }));
   double shell = 0, in_muscle = 0, dark = 0;
+  std::vector<float> grey;
   for (std::size_t v = 0; v < distance.voxels.size(); ++v) {
     if (distance.voxels[v] <= shell_from_mm || distance.voxels[v] >= shell_to_mm) continue;
     shell += 1;
     in_muscle += muscle.voxels[v];
     dark += smooth.voxels[v] < fat_hu;
+    if (muscle.voxels[v]) grey.push_back(smooth.voxels[v]);
   }
   if (shell == 0) return;
   pool.muscle_share = in_muscle / shell;
   pool.fat_or_air_share = dark / shell;
+  pool.shell_hu = median(grey);
 }
 
 void measure_grey(const Volume<float>& hu, const Volume<float>& smooth, const Volume<float>& depth,

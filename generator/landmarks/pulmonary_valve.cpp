@@ -1,6 +1,7 @@
 #include "generator/landmarks/pulmonary_valve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "generator/landmarks/sections.hpp"
@@ -10,7 +11,9 @@
 namespace heart::landmarks {
 namespace {
 
-constexpr double step_mm = 2, start_beyond_mm = 10, walk_mm = 60;
+constexpr double step_mm = 2, walk_mm = 60;
+constexpr std::array starts_beyond_mm{10.0, 4.0, 0.0};  // the first may lie in the bifurcation, where no walk begins
+constexpr std::size_t enough_stations = 6;
 constexpr double most_widening = 1.5;  // over the narrowest section so far: the ventricle's body begins
 constexpr double longest_jump_mm = 6;  // of the section's centre: it slipped into another branch
 constexpr double search_mm = 6;
@@ -61,7 +64,7 @@ double muscle_around(const Scenery& scenery, const Section& section, const Vec3&
 }
 
 /// Stations every 2 mm, from the artery upstream; the plane turns with the centre line.
-std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& start) {
+std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& start, double start_beyond_mm) {
   constexpr double turn = 0.3;  // share of the new direction per step
   std::vector<Station> stations;
   Vec3 normal = start.normal, at = start.centre_mm + start_beyond_mm * normal;
@@ -78,6 +81,16 @@ std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& sta
       normal = normalized((1 - turn) * normal + turn * line);
     }
     at = section->centre_mm - step_mm * normal;
+  }
+  return stations;
+}
+
+/// The first walk that gets anywhere, else the last.
+std::vector<Station> first_long_walk(const Scenery& scenery, const ValvePatch& start) {
+  std::vector<Station> stations;
+  for (const double beyond_mm : starts_beyond_mm) {
+    stations = walk_upstream(scenery, start, beyond_mm);
+    if (stations.size() >= enough_stations) break;
   }
   return stations;
 }
@@ -106,7 +119,7 @@ std::size_t muscle_begins(const std::vector<Station>& stations) {
 
 ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const Volume<float>& smooth, const ValvePatch& start) {
   const Scenery scenery = make_scenery(chambers, smooth);
-  const auto stations = walk_upstream(scenery, start);
+  const auto stations = first_long_walk(scenery, start);
   const std::size_t first_muscle = muscle_begins(stations);
   if (first_muscle == 0) return start;
   const Station& station = stations[first_muscle];

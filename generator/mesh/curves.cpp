@@ -35,6 +35,7 @@ std::vector<adapters::CurveBall> balls_along(const std::vector<CurvePoint>& samp
       if (gap[i] >= 1 && (next == samples.size() || gap[i] < gap[next])) next = i;
     if (next == samples.size()) break;
     kept.push_back(samples[next]);
+    gap[next] = 0;  // also where the spacing is 0
     for (std::size_t i = 0; i < samples.size(); ++i)
       gap[i] = std::min(gap[i], norm(samples[i].position_mm - samples[next].position_mm) / samples[i].spacing_mm);
   }

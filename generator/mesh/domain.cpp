@@ -200,7 +200,105 @@ float trilinear(const ShareField& field, const Index3& cube, const std::array<fl
   return mix(low, high, fraction[2]);
 }
 
+/// Shares of some labels and their gradients at one place.
+struct ShareSample {
+  double value = 0;
+  Vec3 gradient;
+  ShareSample& operator+=(const ShareSample& other) {
+    value += other.value;
+    gradient += other.gradient;
+    return *this;
+  }
+};
+
+ShareSample sample_share(const ShareField& field, const Index3& cube, const std::array<float, 3>& fraction) {
+  const auto& size = field.share.grid.size;
+  std::int64_t at[3], step[3] = {1, size[0], size[0] * size[1]};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    at[axis] = cube[axis] - field.first[axis];
+    if (at[axis] < 0 || at[axis] >= size[axis]) return {};
+    if (at[axis] + 1 >= size[axis]) step[axis] = 0;
+  }
+  const float* p = &field.share(at[0], at[1], at[2]);
+  const double u = static_cast<double>(fraction[0]), v = static_cast<double>(fraction[1]),
+               w = static_cast<double>(fraction[2]);
+  double along[4], rise[4];  // of the four rows of the cube
+  for (std::size_t row = 0; row < 4; ++row) {
+    const float* q =
+        p + (row & 1U) * static_cast<std::size_t>(step[1]) + (row >> 1U) * static_cast<std::size_t>(step[2]);
+    rise[row] = static_cast<double>(q[step[0]]) - static_cast<double>(q[0]);
+    along[row] = static_cast<double>(q[0]) + u * rise[row];
+  }
+  const double low = along[0] + v * (along[1] - along[0]), high = along[2] + v * (along[3] - along[2]);
+  const double rise_low = rise[0] + v * (rise[1] - rise[0]), rise_high = rise[2] + v * (rise[3] - rise[2]);
+  const double over_low = along[1] - along[0], over_high = along[3] - along[2];
+  const auto& spacing = field.share.grid.spacing_mm;
+  return {low + w * (high - low),
+          {(rise_low + w * (rise_high - rise_low)) / spacing.x, (over_low + w * (over_high - over_low)) / spacing.y,
+           (high - low) / spacing.z}};
+}
+
+/// Where an index lies: its cube and the place inside it. Beyond the border, the border.
+struct CubePlace {
+  Index3 cube;
+  std::array<float, 3> fraction;
+};
+
+CubePlace place_of(const Grid& grid, const Vec3& index) {
+  CubePlace place;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double inside = std::clamp(index[axis], 0.0, static_cast<double>(grid.size[a] - 1));
+    place.cube[a] = static_cast<std::int64_t>(inside);
+    place.fraction[a] = static_cast<float>(inside - static_cast<double>(place.cube[a]));
+  }
+  return place;
+}
+
+std::uint32_t bits_of(const auto& regions) {
+  std::uint32_t bits = 0;
+  for (const Region r : regions) bits |= 1U << tag(r);
+  return bits;
+}
+
 }  // namespace
+
+int equations_at(const MeshDomain& domain, std::uint32_t labels, const Vec3& index,
+                 std::span<SurfaceEquation> equations) {
+  // In the order of `decide`: each group against what comes after it, and inside a group the shares against each other.
+  const std::array groups{bits_of(left_blood), bits_of(right_blood), bits_of(walls), bits_of(others)};
+  const auto place = place_of(domain.grid, index);
+  const auto sum = [&](std::uint32_t wanted) {
+    ShareSample total;
+    for (const auto& field : domain.shares)
+      if ((wanted >> field.label & 1U) != 0) total += sample_share(field, place.cube, place.fraction);
+    return total;
+  };
+  std::size_t count = 0;
+  const auto add = [&](const ShareSample& s) {
+    if (count < equations.size()) equations[count++] = {s.value, s.gradient};
+  };
+  std::uint32_t inside = 0;  // of the heart, up to the present group
+  for (const auto group : groups) {
+    inside |= group;
+    const std::uint32_t present = labels & group;
+    if (present == 0) continue;
+    labels &= ~group;
+    if (labels != 0) {
+      auto share = sum(group == groups[2] ? inside : group);
+      share.value -= 0.5;
+      add(share);
+    }
+    const std::uint32_t first = present & (~present + 1);
+    if (present == first) continue;
+    const auto one = sum(first);
+    for (std::uint32_t rest = present & ~first; rest != 0; rest &= rest - 1) {
+      auto other = sum(rest & (~rest + 1));
+      add({other.value - one.value, other.gradient - one.gradient});
+    }
+  }
+  return static_cast<int>(count);
+}
 
 MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm) {
   const auto boxes = boxes_of(labels);
@@ -221,14 +319,7 @@ MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm) {
 }
 
 std::uint8_t region_at(const MeshDomain& domain, const Vec3& index) {
-  Index3 cube;
-  std::array<float, 3> fraction;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    const double inside = std::clamp(index[axis], 0.0, static_cast<double>(domain.grid.size[a] - 1));
-    cube[a] = static_cast<std::int64_t>(inside);
-    fraction[a] = static_cast<float>(inside - static_cast<double>(cube[a]));
-  }
+  const auto [cube, fraction] = place_of(domain.grid, index);
   const auto label = domain.cubes[static_cast<std::size_t>(domain.grid.offset(cube[0], cube[1], cube[2]))];
   if (label != MeshDomain::mixed) return label;
   Shares shares{};

@@ -8,6 +8,7 @@
 // outside, compete by the largest share.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "model/labels.hpp"
@@ -39,5 +40,16 @@ MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm);
 /// Region tag at a continuous index of the label map, 0 outside. Beyond the border voxels the map continues as it is
 /// on the border.
 std::uint8_t region_at(const MeshDomain& domain, const Vec3& index);
+
+/// A surface of the domain near a point: `value` is 0 on it, `gradient` is per mm along the grid's axes.
+struct SurfaceEquation {
+  double value = 0;
+  Vec3 gradient;
+};
+
+/// The equations, at a continuous index, of the place where all regions of `labels` (bit L: label L) meet: one less
+/// than there are labels, by the same rules as region_at. Returns how many were written.
+int equations_at(const MeshDomain& domain, std::uint32_t labels, const Vec3& index,
+                 std::span<SurfaceEquation> equations);
 
 }  // namespace heart::mesh

@@ -207,8 +207,17 @@ void move_bad_vertices(std::vector<Vec3>& nodes_mm, std::span<const Cell> cells,
   }
 }
 
-// The one way of writing a cell: positive volume, smallest node first, then the smallest of the others; cells
-// ascending.
+}  // namespace
+
+void improve(std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<std::int32_t>& label,
+             std::int32_t first_dropped_label, const ImproveSettings& settings) {
+  for (int pass = 0; pass < settings.passes; ++pass) {
+    flip_bad_cells(nodes_mm, cells, label, first_dropped_label, sine_of(settings.goal_deg));
+    move_bad_vertices(nodes_mm, cells, label, first_dropped_label, settings);
+  }
+  sort_cells(nodes_mm, cells, label);
+}
+
 void sort_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<std::int32_t>& label) {
   std::vector<std::pair<Cell, std::int32_t>> sorted;
   for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -220,17 +229,6 @@ void sort_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std
   }
   std::sort(sorted.begin(), sorted.end());
   for (std::size_t c = 0; c < cells.size(); ++c) std::tie(cells[c], label[c]) = sorted[c];
-}
-
-}  // namespace
-
-void improve(std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<std::int32_t>& label,
-             std::int32_t first_dropped_label, const ImproveSettings& settings) {
-  for (int pass = 0; pass < settings.passes; ++pass) {
-    flip_bad_cells(nodes_mm, cells, label, first_dropped_label, sine_of(settings.goal_deg));
-    move_bad_vertices(nodes_mm, cells, label, first_dropped_label, settings);
-  }
-  sort_cells(nodes_mm, cells, label);
 }
 
 }  // namespace heart::mesh

@@ -24,4 +24,8 @@ struct ImproveSettings {
 void improve(std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<std::int32_t>& label,
              std::int32_t first_dropped_label, const ImproveSettings& settings);
 
+/// The one way of writing cells: positive volume, smallest node first, then the smallest of the others; cells
+/// ascending.
+void sort_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<std::int32_t>& label);
+
 }  // namespace heart::mesh

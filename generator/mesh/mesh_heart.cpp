@@ -13,6 +13,7 @@
 #include "generator/mesh/curves.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/improve.hpp"
+#include "generator/mesh/lattice_cells.hpp"
 #include "generator/mesh/seeds.hpp"
 #include "generator/mesh/settle_labels.hpp"
 #include "generator/mesh/size_field.hpp"
@@ -35,6 +36,8 @@ void check_settings(const MeshSettings& s) {
                                     {"growth", s.growth}})
     if (!(value > 0) || !std::isfinite(value))
       throw UserError(fmt::format("{} is {}", name, value), "recipe, [mesh]", "it must be a positive number");
+  if (s.backend != "lattice" && s.backend != "cgal")
+    throw UserError(fmt::format("unknown backend \"{}\"", s.backend), "recipe, [mesh]", "use \"lattice\" or \"cgal\"");
   if (!(s.smoothing_mm >= 0) || !std::isfinite(s.smoothing_mm))
     throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]", "it must not be negative");
 }
@@ -94,6 +97,17 @@ std::array<LabelSet, 3> manifold_sets() {
     sets[2][at] = is_blood(static_cast<Region>(row.tag));
   }
   return sets;
+}
+
+// The Delaunay back end: CGAL's refinement, then our own repair.
+adapters::LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<float>& sizes) {
+  const float coarsest = *std::max_element(sizes.voxels.begin(), sizes.voxels.end());
+  auto cells = adapters::mesh_implicit(implicit_domain(domain, sizes, layer_edges * coarsest), {});
+  settle_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(), crumb_cells);
+  flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
+  improve(cells.nodes_mm, cells.cells, cells.label, beyond_border, {});
+  flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
+  return cells;
 }
 
 // Outer faces that lie in a plane of the border, but met no cell of the layer there.
@@ -178,16 +192,14 @@ LabelVolume heart_only(const LabelVolume& labels) {
 
 }  // namespace
 
-TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings) {
+TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report) {
   check_settings(settings);
   const auto domain = make_domain(labels, settings.smoothing_mm);
-  const auto sizes = size_field(domain, settings);
-  const float coarsest = *std::max_element(sizes.voxels.begin(), sizes.voxels.end());
-  auto cells = adapters::mesh_implicit(implicit_domain(domain, sizes, layer_edges * coarsest), {});
-  settle_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(), crumb_cells);
-  flatten_border(labels.grid, cells.nodes_mm, cells.cells, cells.label);
-  improve(cells.nodes_mm, cells.cells, cells.label, beyond_border, {});
-  flatten_border(labels.grid, cells.nodes_mm, cells.cells, cells.label);
+  const bool on_lattice = settings.backend == "lattice";
+  const auto sizes = size_field(domain, settings, on_lattice ? ThinParts::resolved : ThinParts::ignored);
+  auto cells =
+      on_lattice ? lattice_cells(domain, sizes, manifold_sets(), crumb_cells, report) : delaunay_cells(domain, sizes);
+  sort_cells(cells.nodes_mm, cells.cells, cells.label);
   auto mesh = assemble(
       cells.nodes_mm, cells.cells, cells.label, [](std::int32_t label) { return label > 0 && label < beyond_border; },
       surface_of);

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "generator/mesh/lattice_cells.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
@@ -15,7 +16,8 @@ namespace heart::mesh {
 /// Meshes every labelled region of `labels`. Each outer boundary face and each interface face is listed once, with its
 /// surface; the rims of valve orifices are node sets. Regions that the smoothing wipes out (islands of a voxel) have no
 /// cells. Throws UserError for an empty label map, an unknown label, and edge lengths that are not positive.
-TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings);
+/// `report` is filled by the lattice back end.
+TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report = nullptr);
 
 /// The cells of `regions` with the nodes they use, in the order they have in `mesh`; parent_node and parent_cell hold
 /// their ids there. Faces between a kept and a dropped region keep their surface. Empty when no cell is kept.

@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "generator/segment/distance.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -22,18 +25,22 @@ std::array<float, 256> edge_of_region(const MeshSettings& settings) {
 
 Grid coarse_grid(const Grid& grid, double sample_mm) {
   Grid coarse = grid;
+  Vec3 first;  // centre of the first block of voxels
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     const auto factor = std::max<std::int64_t>(1, std::llround(sample_mm / grid.spacing_mm[axis]));
     coarse.size[a] = (grid.size[a] + factor - 1) / factor;
     coarse.spacing_mm[axis] *= static_cast<double>(factor);
+    first[axis] = 0.5 * static_cast<double>(factor - 1);
   }
+  coarse.origin_mm = lps_from_index(grid, first);
   return coarse;
 }
 
 // The finest edge of the voxels around each coarse sample.
-Volume<float> finest_edges(const MeshDomain& domain, const MeshSettings& settings) {
-  Volume<float> sizes(coarse_grid(domain.grid, settings.heart_edge_mm), std::numeric_limits<float>::max());
+Volume<float> finest_edges(const MeshDomain& domain, const MeshSettings& settings, double sample_distance) {
+  Volume<float> sizes(coarse_grid(domain.grid, sample_distance * settings.heart_edge_mm),
+                      std::numeric_limits<float>::max());
   const auto edge = edge_of_region(settings);
   std::array<std::int64_t, 3> factor;
   for (int axis = 0; axis < 3; ++axis)
@@ -51,49 +58,120 @@ Volume<float> finest_edges(const MeshDomain& domain, const MeshSettings& setting
   return sizes;
 }
 
-struct Neighbour {
-  std::int64_t di, dj, dk;
-  float rise_mm;
-};
-
-// The 13 neighbours that come earlier in memory order, with the growth allowed on the way from them.
-std::array<Neighbour, 13> earlier_neighbours(const Vec3& spacing, double growth) {
-  std::array<Neighbour, 13> result;
-  std::size_t count = 0;
-  for (int dk = -1; dk <= 0; ++dk)
-    for (int dj = -1; dj <= 1; ++dj)
-      for (int di = -1; di <= 1; ++di) {
-        if (dk == 0 && (dj > 0 || (dj == 0 && di >= 0))) continue;
-        const double length = norm(Vec3{di * spacing.x, dj * spacing.y, dk * spacing.z});
-        result[count++] = {di, dj, dk, static_cast<float>(growth * length)};
-      }
-  return result;
+// value[i] = min(value[i], from[i + d] + rise of the way) for d = -1, 0, 1.
+void lower_by_row(float* value, const float* from, std::int64_t count, float straight, float oblique) {
+  for (std::int64_t i = 0; i < count; ++i) value[i] = std::min(value[i], from[i] + straight);
+  for (std::int64_t i = 1; i < count; ++i) value[i] = std::min(value[i], from[i - 1] + oblique);
+  for (std::int64_t i = 0; i + 1 < count; ++i) value[i] = std::min(value[i], from[i + 1] + oblique);
 }
 
-// A sweep in memory order (sign 1) or against it (sign -1); the two together propagate along straight lines, which is
-// exact for chamfer distances around convex sources and close enough for an edge length.
+// A sweep over the rows in memory order (sign 1) or against it (sign -1): from the four neighbouring rows that come
+// earlier, then along the row both ways. Two sweeps there and back propagate along straight lines, which is exact for
+// chamfer distances around convex sources and close enough for an edge length.
 void limit_growth(Volume<float>& sizes, double growth, int sign) {
-  const auto& grid = sizes.grid;
-  const auto neighbours = earlier_neighbours(grid.spacing_mm, growth);
-  const std::int64_t count = grid.voxel_count();
-  for (std::int64_t step = 0; step < count; ++step) {
-    const std::int64_t at = sign > 0 ? step : count - 1 - step;
-    const std::int64_t i = at % grid.size[0], j = at / grid.size[0] % grid.size[1],
-                       k = at / (grid.size[0] * grid.size[1]);
-    float& value = sizes.voxels[static_cast<std::size_t>(at)];
-    for (const auto& n : neighbours) {
-      const std::int64_t ni = i + sign * n.di, nj = j + sign * n.dj, nk = k + sign * n.dk;
-      if (grid.contains(ni, nj, nk)) value = std::min(value, sizes(ni, nj, nk) + n.rise_mm);
+  const auto& [count, rows, slices] = sizes.grid.size;
+  const Vec3& spacing = sizes.grid.spacing_mm;
+  const auto rise = [&](double x, double y, double z) { return static_cast<float>(growth * norm(Vec3{x, y, z})); };
+  const float along = rise(spacing.x, 0, 0);
+  for (std::int64_t step = 0; step < rows * slices; ++step) {
+    const std::int64_t row = sign > 0 ? step : rows * slices - 1 - step;
+    const std::int64_t j = row % rows, k = row / rows;
+    float* value = &sizes(0, j, k);
+    for (const auto& [dj, dk] : {std::pair{-1, -1}, {0, -1}, {1, -1}, {-1, 0}}) {
+      const std::int64_t nj = j + sign * dj, nk = k + sign * dk;
+      if (nj < 0 || nj >= rows || nk < 0 || nk >= slices) continue;
+      const double y = dj * spacing.y, z = dk * spacing.z;
+      lower_by_row(value, &sizes(0, nj, nk), count, rise(0, y, z), rise(spacing.x, y, z));
     }
+    for (std::int64_t i = 1; i < count; ++i) value[i] = std::min(value[i], value[i - 1] + along);
+    for (std::int64_t i = count - 1; i > 0; --i) value[i - 1] = std::min(value[i - 1], value[i] + along);
+  }
+}
+
+/// The label map on the grid of the sizes: the middle voxel of each block.
+LabelVolume coarse_labels(const MeshDomain& domain, const Grid& coarse) {
+  LabelVolume labels(coarse);
+  std::array<std::int64_t, 3> factor;
+  for (int axis = 0; axis < 3; ++axis)
+    factor[static_cast<std::size_t>(axis)] = std::llround(coarse.spacing_mm[axis] / domain.grid.spacing_mm[axis]);
+  std::size_t sample = 0;
+  for (std::int64_t k = 0; k < coarse.size[2]; ++k)
+    for (std::int64_t j = 0; j < coarse.size[1]; ++j)
+      for (std::int64_t i = 0; i < coarse.size[0]; ++i, ++sample) {
+        Index3 at{i, j, k};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          at[axis] = std::min(at[axis] * factor[axis] + factor[axis] / 2, domain.grid.size[axis] - 1);
+        labels.voxels[sample] = domain.voxels[static_cast<std::size_t>(domain.grid.offset(at[0], at[1], at[2]))];
+      }
+  return labels;
+}
+
+/// Samples next to one of another label; the ends of the image are no such place.
+Mask interface_of(const LabelVolume& labels) {
+  Mask mask(labels.grid, 0);
+  const auto& size = labels.grid.size;
+  const std::array<std::int64_t, 3> step{1, size[0], size[0] * size[1]};
+  std::size_t sample = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++sample) {
+        const Index3 at{i, j, k};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const auto next = sample + static_cast<std::size_t>(step[axis]);
+          if (at[axis] + 1 < size[axis] && labels.voxels[sample] != labels.voxels[next])
+            mask.voxels[sample] = mask.voxels[next] = 1;
+        }
+      }
+  return mask;
+}
+
+// Parts of a region in which no ball of the radius fits get the edge `edge_mm`. The balls' centres are the places
+// farther than the radius from every interface; what is farther than that from all of them is thin. (A place in one
+// region is always farther from the balls of another.) Corners of thick parts are spared by the factor.
+void lower_in_thin_parts(Volume<float>& sizes, const LabelVolume& labels, const Volume<float>& from_interface_mm,
+                         double radius_mm, double edge_mm) {
+  constexpr double beyond_corners = 2;
+  Mask centers(sizes.grid, 0);
+  for (std::size_t v = 0; v < centers.voxels.size(); ++v)
+    centers.voxels[v] = static_cast<double>(from_interface_mm.voxels[v]) >= radius_mm;
+  const auto distance = segment::distance_to(centers);
+  // What only fills the space between others need not keep its own shape.
+  const auto is_shape = [](std::uint8_t label) { return label != 0 && label != tag(Region::torso); };
+  for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
+    if (is_shape(labels.voxels[v]) && static_cast<double>(distance.voxels[v]) > beyond_corners * radius_mm)
+      sizes.voxels[v] = std::min(sizes.voxels[v], static_cast<float>(edge_mm));
+}
+
+void resolve_thin_parts(Volume<float>& sizes, const MeshDomain& domain, const MeshSettings& settings) {
+  constexpr double least_share = 0.25;  // of a region's edge: details far from the heart may cost so much, not more
+  const auto labels = coarse_labels(domain, sizes.grid);
+  const auto from_interface = segment::distance_to(interface_of(labels));
+  // The sample beside an interface is half a sample away from it.
+  const Vec3& spacing = sizes.grid.spacing_mm;
+  const double half_sample = 0.5 * std::min({spacing.x, spacing.y, spacing.z});
+  const double coarsest = std::max(settings.torso_edge_mm, settings.heart_edge_mm);
+  const double finest = std::max(settings.heart_edge_mm, least_share * coarsest);
+  for (double edge = coarsest; edge > finest; edge /= 2) {
+    const double radius = std::max(0.4 * edge - half_sample, half_sample);
+    lower_in_thin_parts(sizes, labels, from_interface, radius, std::max(0.5 * edge, finest));
   }
 }
 
 }  // namespace
 
-Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings) {
-  auto sizes = finest_edges(domain, settings);
-  for (int repeat = 0; repeat < 2; ++repeat)
-    for (const int sign : {1, -1}) limit_growth(sizes, settings.growth, sign);
+Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings, ThinParts thin_parts) {
+  constexpr double growth_around_thin_parts = 1;
+  // Between samples, in heart edges. Distances to interfaces need fewer samples than edges do.
+  const double sample_distance = thin_parts == ThinParts::resolved ? 1.5 : 1;
+  auto sizes = finest_edges(domain, settings, sample_distance);
+  const auto limit = [&](double growth) {
+    for (int repeat = 0; repeat < 2; ++repeat)
+      for (const int sign : {1, -1}) limit_growth(sizes, growth, sign);
+  };
+  limit(settings.growth);
+  if (thin_parts == ThinParts::ignored) return sizes;
+  resolve_thin_parts(sizes, domain, settings);
+  limit(std::max(growth_around_thin_parts, settings.growth));
   return sizes;
 }
 

@@ -5,10 +5,15 @@
 
 namespace heart::mesh {
 
-/// Edge lengths (mm) on a coarse grid over the label map (about one sample per heart_edge_mm): at each sample the
+/// Edge lengths (mm) on a coarse grid over the label map (a sample every 1 to 1.5 heart_edge_mm): at each sample the
 /// region's own edge, lowered so that it grows by at most settings.growth per mm away from finer places. Sample it
 /// trilinearly at LPS positions with `edge_at`.
-Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings);
+/// Where a region is thinner than its edge, the edge is halved until it fits, down to a quarter and to heart_edge_mm,
+/// if thin parts are to be resolved; around them the mesher grades as it must. A mesher that refines by the distance to
+/// surfaces does all that itself.
+enum class ThinParts : std::uint8_t { ignored, resolved };
+Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings,
+                         ThinParts thin_parts = ThinParts::ignored);
 
 double edge_at(const Volume<float>& sizes, const Vec3& lps_mm);
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 #include <utility>
 
+#include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
 
 namespace heart::mesh {
@@ -25,17 +27,31 @@ struct HalfFace {
   std::int32_t corner;
 };
 
+HalfFace half_face(const std::vector<Cell>& cells, std::size_t cell, std::size_t corner) {
+  const auto& corners = face_corners[corner];
+  return {ascending({cells[cell][corners[0]], cells[cell][corners[1]], cells[cell][corners[2]]}),
+          static_cast<std::int32_t>(cell), static_cast<std::int32_t>(corner)};
+}
+
+// Sorted by key, then cell: first into one bucket per smallest node, then each bucket.
 std::vector<HalfFace> half_faces(const std::vector<Cell>& cells) {
-  std::vector<HalfFace> halves;
-  halves.reserve(4 * cells.size());
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (std::size_t f = 0; f < 4; ++f) {
-      const auto& corners = face_corners[f];
-      halves.push_back({ascending({cells[c][corners[0]], cells[c][corners[1]], cells[c][corners[2]]}),
-                        static_cast<std::int32_t>(c), static_cast<std::int32_t>(f)});
-    }
-  std::sort(halves.begin(), halves.end(),
-            [](const HalfFace& a, const HalfFace& b) { return std::tie(a.key, a.cell) < std::tie(b.key, b.cell); });
+  std::int32_t nodes = 0;
+  for (const auto& cell : cells) nodes = std::max(nodes, 1 + *std::max_element(cell.begin(), cell.end()));
+  std::vector<std::size_t> end(static_cast<std::size_t>(nodes) + 1, 0);
+  const auto each = [&](auto&& visit) {
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (std::size_t f = 0; f < 4; ++f) visit(half_face(cells, c, f));
+  };
+  each([&](const HalfFace& half) { ++end[static_cast<std::size_t>(half.key[0]) + 1]; });
+  for (std::size_t n = 1; n < end.size(); ++n) end[n] += end[n - 1];
+  std::vector<HalfFace> halves(4 * cells.size());
+  each([&](const HalfFace& half) { halves[end[static_cast<std::size_t>(half.key[0])]++] = half; });
+  parallel::parallel_for(0, nodes, [&](std::int64_t first, std::int64_t last) {
+    for (auto n = static_cast<std::size_t>(first); n < static_cast<std::size_t>(last); ++n)
+      std::sort(halves.begin() + static_cast<std::ptrdiff_t>(n == 0 ? 0 : end[n - 1]),
+                halves.begin() + static_cast<std::ptrdiff_t>(end[n]),
+                [](const HalfFace& a, const HalfFace& b) { return std::tie(a.key, a.cell) < std::tie(b.key, b.cell); });
+  });
   return halves;
 }
 

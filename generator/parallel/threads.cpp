@@ -1,6 +1,7 @@
 #include "generator/parallel/threads.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <exception>
 #include <memory>
@@ -91,7 +92,7 @@ struct Pool {
 
 struct Shared {
   std::mutex in_use;  ///< one loop at a time; loops started meanwhile by other threads run on those threads
-  int count = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::atomic<int> count = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  ///< readable in a loop
   std::unique_ptr<Pool> pool;
 };
 
@@ -107,25 +108,23 @@ void set_thread_count(int count) {
   shared().count = std::max(1, count);
 }
 
-int thread_count() {
-  const std::lock_guard lock(shared().in_use);
-  return shared().count;
-}
+int thread_count() { return shared().count; }
 
 void run_loop(std::int64_t begin, std::int64_t end, const LoopBody& body) {
   if (begin >= end) return;
   auto& state = shared();
   std::unique_lock lock(state.in_use, std::defer_lock);
   const bool alone = !inside_loop && lock.try_lock();
-  const auto pieces = alone ? std::min<std::int64_t>(state.count, end - begin) : 1;
+  const int count = state.count;
+  const auto pieces = alone ? std::min<std::int64_t>(count, end - begin) : 1;
   if (pieces == 1) {
     if (alone) lock.unlock();
     body.call(body.object, begin, end, 0);
     return;
   }
-  if (!state.pool || state.pool->size() != state.count) {
+  if (!state.pool || state.pool->size() != count) {
     state.pool.reset();
-    state.pool = std::make_unique<Pool>(state.count);
+    state.pool = std::make_unique<Pool>(count);
   }
   Loop loop{begin, end, static_cast<int>(pieces), body, std::vector<std::exception_ptr>(pieces)};
   state.pool->run(loop);

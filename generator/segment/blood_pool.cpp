@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
 #include "generator/segment/box_around.hpp"
 #include "generator/segment/components.hpp"
 #include "generator/segment/distance.hpp"
+#include "generator/segment/faint_right_heart.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
@@ -28,8 +28,6 @@ constexpr double core_fraction = 0.3;       // of the weakest contrast: what cou
 constexpr double threshold_fraction = 0.5;  // the edge lies half-way between muscle and blood
 constexpr double grey_step_hu = 4;          // grey values travel with distances as one byte
 constexpr double leaflet_ml = 0.3;          // dark islands in blood up to this are leaflets, chordae or noise
-
-constexpr std::array<const char*, 4> chamber_names = {"lv_blood", "la_blood", "rv_blood", "ra_blood"};
 
 Volume<float> as_float(const CtVolume& ct) {
   Volume<float> result(ct.grid);
@@ -102,25 +100,34 @@ double noise_hu(const Volume<float>& image, const Volume<float>& smooth, const M
 }
 
 struct SeedGreys {
-  double lowest = 0;  // of the four chambers
-  double left = 0;    // the dimmer of the left ventricle and atrium
+  double left = 0;     ///< the dimmer of the left ventricle and atrium
+  double right = 0;    ///< the dimmer of the right ones
+  bool faint = false;  ///< the right ones are hardly brighter than muscle, or darker
 };
 
-/// A seed may lie on a papillary muscle: only what is clearly brighter than muscle around it counts.
-SeedGreys seed_greys(const CtVolume& ct, const Landmarks& landmarks, double muscle_hu) {
+/// Grey value at a seed that must be in bright blood. It may lie on a papillary muscle: only what is clearly brighter
+/// than muscle around it counts.
+double bright_grey(const CtVolume& ct, const Landmarks& landmarks, const char* name, double muscle_hu) {
   const double least = muscle_hu + least_contrast_hu;
-  std::array<double, 4> grey{};
-  for (std::size_t n = 0; n < 4; ++n) {
-    const Vec3& seed = landmarks.seeds_mm.at(chamber_names[n]);
-    grey[n] = median_around(ct, seed, seed_ball_mm, least);
-    if (grey[n] <= least)
-      throw UserError(
-          fmt::format("the seed is not in contrast-filled blood: {:.0f} HU there, muscle has {:.0f} HU",
-                      median_around(ct, seed, seed_ball_mm), muscle_hu),
-          fmt::format("landmarks: seed {} at ({:.1f}, {:.1f}, {:.1f}) mm", chamber_names[n], seed.x, seed.y, seed.z),
-          "move the seed into the chamber's blood, or use a CT with contrast agent");
-  }
-  return {*std::min_element(grey.begin(), grey.end()), std::min(grey[0], grey[1])};
+  const Vec3& seed = landmarks.seeds_mm.at(name);
+  const double grey = median_around(ct, seed, seed_ball_mm, least);
+  if (grey > least) return grey;
+  throw UserError(fmt::format("the seed is not in contrast-filled blood: {:.0f} HU there, muscle has {:.0f} HU",
+                              median_around(ct, seed, seed_ball_mm), muscle_hu),
+                  fmt::format("landmarks: seed {} at ({:.1f}, {:.1f}, {:.1f}) mm", name, seed.x, seed.y, seed.z),
+                  "move the seed into the chamber's blood, or use a CT with contrast agent");
+}
+
+SeedGreys seed_greys(const CtVolume& ct, const Landmarks& landmarks, double muscle_hu) {
+  const auto bright = [&](const char* name) { return bright_grey(ct, landmarks, name, muscle_hu); };
+  const auto plain = [&](const char* name) {
+    return median_around(ct, landmarks.seeds_mm.at(name), seed_ball_mm) - muscle_hu;
+  };
+  SeedGreys grey;
+  grey.left = std::min(bright("lv_blood"), bright("la_blood"));
+  grey.faint = std::max(plain("rv_blood"), plain("ra_blood")) < faint_contrast_hu;
+  grey.right = grey.faint ? grey.left : std::min(bright("rv_blood"), bright("ra_blood"));
+  return grey;
 }
 
 }  // namespace
@@ -133,7 +140,7 @@ BloodPool find_blood(const CtVolume& ct, const Landmarks& landmarks, double soft
   const SeedGreys grey = seed_greys(ct, landmarks, muscle);
 
   BloodPool result{Mask(ct.grid), gaussian(image, core_smoothing_mm), muscle, grey.left};
-  const Mask bright = above(result.smooth, muscle + core_fraction * (grey.lowest - muscle));
+  const Mask bright = above(result.smooth, muscle + core_fraction * (std::min(grey.left, grey.right) - muscle));
   const Mask core = erode(bright, core_depth_mm);
   const LabelVolume local = local_blood_byte(image, core, grey.left);
   const double noise = noise_hu(image, result.smooth, core);
@@ -143,6 +150,7 @@ BloodPool find_blood(const CtVolume& ct, const Landmarks& landmarks, double soft
     const float value = contrast > clear_contrast * noise ? image.voxels[v] : result.smooth.voxels[v];
     result.blood.voxels[v] = static_cast<double>(value) > muscle + threshold_fraction * contrast;
   }
+  if (grey.faint) result.blood = unite(result.blood, faint_right_heart(ct, landmarks, muscle, grey.left));
   result.blood = fill_islands(result.blood, leaflet_ml);
   return result;
 }

@@ -4,30 +4,46 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "generator/parallel/threads.hpp"
 #include "generator/segment/components.hpp"
+#include "generator/segment/distance.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/liver.hpp"
 #include "generator/segment/morphology.hpp"
+#include "generator/segment/wall_band.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
 namespace heart::segment {
 namespace {
 
-constexpr int air_hu = -300;                 // darker voxels count when a gap's mean grey value is taken
-constexpr double open_air_hu = -930;         // mean below: air of the room; lungs are denser
-constexpr double table_mm = 4;               // the table touches the skin in pieces thinner than twice this
-constexpr double lung_share = 0.1;           // of the largest air space: smaller ones are airways, stomach and bowel
-constexpr double lung_vessel_mm = 2.5;       // radius of vessels that stay inside the lung
-constexpr float bone_hu = 160;               // spongy bone; contrast-filled vessels are taken out first
-constexpr float cortical_hu = 300;           // every bone has a shell brighter than this
-constexpr std::int64_t cortical_share = 10;  // one voxel in so many, at least
-constexpr double smoothing_mm = 1;           // against noise, for bone
-constexpr double vessel_fraction = 0.75;     // of the median grey value of the left ventricle's blood
-constexpr double contact_mm = 2;             // vessels and bone that touch over less than twice this are apart
-constexpr double spongy_mm = 3;              // marrow in gaps of the bone up to twice this wide belongs to it
+constexpr int air_hu = -300;                   // darker voxels count when a gap's mean grey value is taken
+constexpr double open_air_hu = -930;           // mean below: air of the room; lungs are denser
+constexpr double table_mm = 4;                 // the table touches the skin in pieces thinner than twice this
+constexpr double lung_share = 0.1;             // of the largest air space: smaller ones are airways, stomach and bowel
+constexpr double lung_vessel_mm = 2.5;         // radius of vessels that stay inside the lung
+constexpr float bone_hu = 160;                 // spongy bone; contrast-filled vessels are taken out first
+constexpr float cortical_hu = 300;             // every bone has a shell brighter than this
+constexpr std::int64_t cortical_share = 10;    // one voxel in so many, at least
+constexpr double smoothing_mm = 1;             // against noise, for bone
+constexpr double vessel_fraction = 0.75;       // of the median grey value of the left ventricle's blood
+constexpr double contact_mm = 2;               // vessels and bone that touch over less than twice this are apart
+constexpr double evenness_smoothing_mm = 1.5;  // of the image before its evenness is measured
+constexpr double even_hu_per_mm = 16;          // contrast-filled blood, spleen and kidneys vary less; spongy bone more
+constexpr double even_depth_mm = 2;            // off the surface, where every organ varies
+constexpr double even_rim_mm = 2.5;            // beyond that depth the rest of the organ follows
+constexpr float even_rim_hu = 80;              // but nothing so much brighter than the organ, which is bone beside it
+constexpr double least_even_ml = 2;            // smaller even spots are marrow
+constexpr float brightest_bone_hu = 1800;      // more is metal, or undiluted contrast in a vein
+constexpr double dense_rim_mm = 2.5;           // around it
+constexpr double spongy_mm = 3;                // marrow in gaps of the bone up to twice this wide belongs to it
+constexpr double trim_depth_mm = 2.2;          // the blurred outside of bone is no thicker
+constexpr double bright_reach_mm = 2.5;        // the shell that it belongs to is this near
+constexpr float soft_hu = 60;                  // of muscle beside bone
+constexpr float trim_fraction = 0.45;          // of the shell's height above that: a little less, for the marrow's sake
 constexpr double least_bone_ml = 0.5;
 
 template <class Rule>
@@ -91,14 +107,19 @@ Mask find_lung(const Mask& body, const Mask& tissue) {
   return intersect(fill_holes(close(lung, lung_vessel_mm)), body);
 }
 
+/// 1e6 without a value.
+float median(std::vector<float> values) {
+  if (values.empty()) return 1e6F;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 double median_under(const Volume<float>& image, const LabelVolume& labels, Region region) {
   std::vector<float> values;
   for (std::size_t v = 0; v < labels.voxels.size(); ++v)
     if (labels.voxels[v] == tag(region)) values.push_back(image.voxels[v]);
-  if (values.empty()) return 1e6;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median(std::move(values)));
 }
 
 /// Voxels nearly as bright as the heart's blood that are connected with it over more than thin contacts: the great
@@ -120,6 +141,46 @@ Mask find_vessels(const Volume<float>& image, const LabelVolume& chambers) {
   return dilate(core, contact_mm + 1);
 }
 
+/// Voxels of `bright` deep inside it where the image hardly varies.
+Mask find_even(const CtVolume& ct, const Mask& bright) {
+  Volume<float> image(ct.grid);
+  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
+  image = gaussian(image, evenness_smoothing_mm);
+  const Mask deep = erode(bright, even_depth_mm);
+  Mask even(ct.grid);
+  const auto& size = ct.grid.size;
+  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < size[1]; ++j)
+        for (std::int64_t i = 0; i < size[0]; ++i)
+          even(i, j, k) = deep(i, j, k) && norm(gradient(image, {i, j, k})) < even_hu_per_mm;
+  });
+  return count(even) > 0 ? open(even, even_depth_mm) : even;
+}
+
+/// Organs and vessels full of contrast among the bright voxels: even in grey value, where spongy bone seldom is.
+Mask find_even_organs(const CtVolume& ct, const Volume<float>& image, const Mask& bright) {
+  const auto least = static_cast<std::int64_t>(least_even_ml * 1000 / ct.grid.voxel_volume_mm3());
+  const Components cores = connected_components(drop_small_components(find_even(ct, bright), least));
+  const std::size_t most = std::min<std::size_t>(cores.voxel_count.size(), 256);  // far more than a body has
+  std::vector<std::vector<float>> greys(most);
+  LabelVolume core(ct.grid);
+  for (std::size_t v = 0; v < core.voxels.size(); ++v) {
+    const auto label = static_cast<std::size_t>(cores.label.voxels[v]);
+    if (label == 0 || label >= most) continue;
+    core.voxels[v] = static_cast<std::uint8_t>(label);
+    greys[label].push_back(image.voxels[v]);
+  }
+  std::vector<float> limit(most, 0);
+  for (std::size_t label = 1; label < most; ++label) limit[label] = median(std::move(greys[label])) + even_rim_hu;
+  const Vec3& spacing = ct.grid.spacing_mm;
+  const LabelVolume organ =
+      nearest_label(core, even_depth_mm + even_rim_mm + std::max({spacing.x, spacing.y, spacing.z}) / 2);
+  return mask_where(ct.grid, [&](std::size_t v) {
+    return bright.voxels[v] && organ.voxels[v] && image.voxels[v] < limit[organ.voxels[v]];
+  });
+}
+
 /// Pieces that have cortical bone in them; contrast in small vessels, spleen and kidneys is less bright.
 Mask with_cortex(const Mask& pieces, const Volume<float>& image, std::int64_t least_voxels) {
   const Components parts = connected_components(pieces);
@@ -133,6 +194,39 @@ Mask with_cortex(const Mask& pieces, const Volume<float>& image, std::int64_t le
   });
 }
 
+/// Brightest value in the box of bright_reach_mm around a voxel, among the voxels of `bone`.
+float brightest_near(const Volume<float>& image, const Mask& bone, const Index3& at) {
+  Index3 low{}, high{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto reach = std::lround(bright_reach_mm / image.grid.spacing_mm[static_cast<int>(axis)]);
+    low[axis] = std::max<std::int64_t>(at[axis] - reach, 0);
+    high[axis] = std::min<std::int64_t>(at[axis] + reach + 1, image.grid.size[axis]);
+  }
+  float most = 0;
+  for (std::int64_t k = low[2]; k < high[2]; ++k)
+    for (std::int64_t j = low[1]; j < high[1]; ++j)
+      for (std::int64_t i = low[0]; i < high[0]; ++i)
+        if (bone(i, j, k)) most = std::max(most, image(i, j, k));
+  return most;
+}
+
+/// Bone without the blurred outside of its shell: it ends near half height between soft tissue and cortical bone.
+Mask trimmed(const Mask& bone, const Volume<float>& image) {
+  const Mask deep = erode(bone, trim_depth_mm);
+  Mask result = bone;
+  const auto& size = bone.grid.size;
+  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < size[1]; ++j)
+        for (std::int64_t i = 0; i < size[0]; ++i) {
+          if (!bone(i, j, k) || deep(i, j, k)) continue;
+          const float least = soft_hu + trim_fraction * (brightest_near(image, bone, {i, j, k}) - soft_hu);
+          if (image(i, j, k) < least) result(i, j, k) = 0;
+        }
+  });
+  return intersect(fill_holes_in_slices(result), bone);
+}
+
 Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& chambers) {
   Volume<float> image(ct.grid);
   std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
@@ -141,14 +235,21 @@ Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& ch
     return image.voxels[v] > bone_hu && body.body.voxels[v] && chambers.voxels[v] == 0;
   });
   const Mask vessels = find_vessels(image, chambers);
-  const Mask rest = mask_where(
-      ct.grid, [&](std::size_t v) { return bright.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v]; });
+  Mask dense = mask_where(ct.grid, [&](std::size_t v) { return image.voxels[v] > brightest_bone_hu; });
+  if (count(dense) > 0) dense = dilate(dense, dense_rim_mm);
+  const Mask rest = mask_where(ct.grid, [&](std::size_t v) {
+    return bright.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] && !dense.voxels[v];
+  });
+  const Mask organs = unite(find_even_organs(ct, image, rest), dense);
   const auto least = static_cast<std::int64_t>(least_bone_ml * 1000 / ct.grid.voxel_volume_mm3());
-  const Mask bone = fill_holes_in_slices(close(with_cortex(rest, image, least), spongy_mm));
-  return mask_where(ct.grid, [&](std::size_t v) {
+  const Mask shell = with_cortex(subtract(rest, organs), image, least);
+  // Even marrow counts as an organ, too, but its shell closes around it.
+  const Mask bone = fill_holes_in_slices(subtract(close(shell, spongy_mm), organs));
+  const Mask kept = mask_where(ct.grid, [&](std::size_t v) {
     return bone.voxels[v] && body.body.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] &&
            chambers.voxels[v] == 0;
   });
+  return trimmed(kept, image);
 }
 
 }  // namespace

@@ -106,11 +106,13 @@ void cut_vessels(LabelVolume& labels, const ChamberSettings& settings) {
     const Region ventricle = region == Region::aorta ? Region::lv_blood : Region::rv_blood;
     const Mask start = contact(artery, mask_of(labels, ventricle));
     if (count(start) == 0) continue;
+    if (settings.vessel_length_mm == 0) continue;  // the whole vessel
     const Mask root = cut_artery(artery, start, settings.vessel_length_mm);
     replace_region(labels, region, drop_thin_branches(root, thin_branch_mm));
   }
   for (const Region atrium : {Region::la_blood, Region::ra_blood}) {
-    const Mask body = cut_veins(mask_of(labels, atrium), atrium_core_share, settings.vein_stump_mm);
+    Mask body = cut_veins(mask_of(labels, atrium), atrium_core_share, settings.vein_stump_mm);
+    if (atrium == Region::ra_blood) body = cut_inferior_cava(body, atrium_core_share, settings.cava_stump_mm);
     replace_region(labels, atrium, drop_thin_branches(body, thin_branch_mm));
   }
 }
@@ -129,17 +131,21 @@ void fill_mixing_clouds(LabelVolume& labels, const BloodPool& pool) {
   }
 }
 
-/// Muscle inside a ventricle's cavity: what a closing of its blood adds, without fat, air and thin seams.
+/// Muscle inside a ventricle's cavity: what a closing of its blood adds, without fat, air and thin seams. The right
+/// ventricle is closed half as far: its inflow and outflow are parted by muscle that is wall.
 void add_papillary(LabelVolume& labels, const CtVolume& ct, const BloodPool& pool, const ChamberSettings& settings) {
-  constexpr double seam_mm = 1;
+  constexpr double seam_mm = 1.5, regrown_mm = 2;
   for (const Region ventricle : {Region::lv_blood, Region::rv_blood}) {
-    const Mask closed = close(mask_of(labels, ventricle), settings.papillary_closing_mm);
-    Mask muscle(labels.grid);
-    for (std::size_t v = 0; v < muscle.voxels.size(); ++v)
-      muscle.voxels[v] = closed.voxels[v] && labels.voxels[v] == 0 && ct.voxels[v] > pool.muscle_hu - 100;
+    const double radius_mm = settings.papillary_closing_mm * (ventricle == Region::lv_blood ? 1 : 0.5);
+    const Mask closed = close(mask_of(labels, ventricle), radius_mm);
+    Mask gap(labels.grid);
+    for (std::size_t v = 0; v < gap.voxels.size(); ++v)
+      gap.voxels[v] = closed.voxels[v] && labels.voxels[v] == 0 && ct.voxels[v] > pool.muscle_hu - 100;
     const auto minimum =
         static_cast<std::int64_t>(settings.minimum_component_ml * 1000 / labels.grid.voxel_volume_mm3());
-    muscle = drop_small_components(open(muscle, seam_mm), minimum);
+    Mask muscle = drop_small_components(open(gap, seam_mm), minimum);
+    if (count(muscle) == 0) continue;
+    muscle = intersect(dilate(muscle, regrown_mm), gap);  // the muscles' ends, thinner than a seam
     for (std::size_t v = 0; v < muscle.voxels.size(); ++v)
       if (muscle.voxels[v]) labels.voxels[v] = tag(Region::papillary);
   }

@@ -6,10 +6,19 @@
 //
 // The fidelity is divided by the contrast |c_above - c_below|^p: it lies in [-1, 1] (L1) whatever the grey scale, so
 // the same lambda and mu work at any contrast. mu is a length in mm when lambda is 1: balls with radii below
-// 3 mu / lambda vanish (discs of a single slice below 2 mu / lambda). For fixed c the result is the global minimum;
-// over c it is a fixed point, reached from the best two classes of the histogram. mu = 0 is thresholding at those, done
-// without iterations. The image must be finite. float32, any spacing, the same bits for any number of ranks and
-// threads.
+// 3 mu / lambda vanish (discs of a single slice below 2 mu / lambda). For fixed c the relaxed problem is solved to its
+// global minimum; over c the result is a fixed point, reached from the best two classes of the histogram. mu = 0 is
+// thresholding at those, done without iterations.
+//
+// Most voxels are decided before the first sweep, by their grey value and their neighbours' (decided.hpp, exact); the
+// sweeps visit the others only. At the end single voxels change sides where that lowers the energy (descend.hpp).
+//
+// What mu weighs: TV by isotropic forward differences, which measures too much where edges are sharp. Where the relaxed
+// field goes from 0 to 1 over two to four voxels: 3 to 5 % for a ball, -1 to 11 % for planes of any direction. On a
+// division into voxels (chan_vese_energy): 27 % for a ball, 16 % for a disc in 2D, 3 to 46 % for planes. So the
+// effective mu is larger by that much, and such energies can be compared with each other only.
+//
+// The image must be finite. float32, any spacing, the same bits for any number of ranks and threads.
 #pragma once
 #include <cstdint>
 
@@ -41,6 +50,11 @@ struct ChanVeseResult {
 /// Throws UserError for an empty domain, lambda <= 0 or mu < 0. @collective
 ChanVeseResult chan_vese(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain,
                          const ChanVeseSettings& settings, const parallel::Comm& comm);
+
+/// The same at given grey values, c_below < c_above, which it keeps. @collective
+ChanVeseResult chan_vese_at(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain,
+                            double c_below, double c_above, const ChanVeseSettings& settings,
+                            const parallel::Comm& comm);
 
 /// The energy of any division of the domain at given grey values. @collective
 double chan_vese_energy(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain,

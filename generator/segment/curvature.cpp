@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "generator/segment/primal_dual.hpp"
-#include "generator/segment/vectorise.hpp"
+#include "generator/segment/simd.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {
@@ -31,8 +31,6 @@ struct Coefficients {
   float x, y, z;              ///< 1 / spacing, 0 along an axis with one voxel
   float time_step, fidelity;  ///< mm², lambda
 };
-
-HEART_INLINE float square(float v) { return v * v; }
 
 /// One over the gradient on a face: `across` is the difference over the face, the others are central differences
 /// along it at its two voxels.
@@ -64,14 +62,18 @@ HEART_INLINE float step_at(const Neighbourhood& n, std::int64_t l, std::int64_t 
   return here + speed * (target - rate * here) / larger(1.0f, speed * rate * limit);
 }
 
-HEART_VECTOR void step_row(const Neighbourhood& row, const Coefficients& coefficients) {
+HEART_INLINE void step_row_body(const Neighbourhood& row, const Coefficients& coefficients) {
   const Neighbourhood n = row;
   const Coefficients c = coefficients;
   const auto last = n.nx - 1;
   n.out[0] = step_at(n, 0, 0, std::min<std::int64_t>(1, last), c);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (std::int64_t i = 1; i < last; ++i) n.out[i] = step_at(n, i - 1, i, i + 1, c);
   if (last > 0) n.out[last] = step_at(n, last - 1, last, last, c);
+}
+
+void step_row(const Neighbourhood& row, const Coefficients& coefficients) {
+  vectorised<step_row_body>(row, coefficients);
 }
 
 Neighbourhood neighbourhood(const Slab<float>& u, const Slab<float>& g, Slab<float>& out, std::int64_t j,

@@ -182,4 +182,16 @@ LabelVolume nearest_label(const LabelVolume& labels, double limit_mm) {
   return result;
 }
 
+NearestLabel nearest_label_and_distance(const LabelVolume& labels) {
+  Field field = sites(labels, true, std::numeric_limits<double>::infinity());
+  field.tag = labels.voxels;
+  transform(field, labels.grid);
+  NearestLabel result;
+  result.label.grid = result.distance_mm.grid = labels.grid;
+  for (float& value : field.squared) value = std::min(std::sqrt(value), 1e6F);
+  result.label.voxels = std::move(field.tag);
+  result.distance_mm.voxels = std::move(field.squared);
+  return result;
+}
+
 }  // namespace heart::segment

@@ -18,4 +18,12 @@ LevelSet signed_distance(const Mask& mask);
 /// their own tag.
 LabelVolume nearest_label(const LabelVolume& labels, double limit_mm);
 
+struct NearestLabel {
+  LabelVolume label;          ///< tag of the nearest labelled voxel; 0 where none is labelled
+  Volume<float> distance_mm;  ///< to it, 1e6 where none is labelled
+};
+
+/// The nearest label at any distance, and that distance.
+NearestLabel nearest_label_and_distance(const LabelVolume& labels);
+
 }  // namespace heart::segment

@@ -1,31 +1,29 @@
 #include "generator/segment/epicardium.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
-#include <vector>
 
+#include "generator/parallel/threads.hpp"
 #include "generator/segment/box_around.hpp"
 #include "generator/segment/distance.hpp"
+#include "generator/segment/gaussian.hpp"
 #include "generator/segment/minimal_cut.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/wall_band.hpp"
-#include "model/error.hpp"
+#include "generator/segment/wall_cells.hpp"
 #include "model/labels.hpp"
 
 namespace heart::segment {
 namespace {
 
-constexpr int air_hu = -400;              // darker is lung, even with partial volumes
-constexpr double vessel_radius_mm = 2.5;  // unlabelled blood thicker than this is a vein or artery, not a coronary
+constexpr double distance_smoothing_mm = 1;  // against trabeculae, before directions are taken
+constexpr double division_smoothing_mm = 1.5;
 
-/// The heart's part of the image and what the cuts share. Empty off the root.
-struct HeartBand {
-  Box box;
-  LabelVolume chambers;  // papillary muscles included
-  LabelVolume cell;      // region tag of the nearest blood; papillary muscles belong to their ventricle
-  Volume<float> tissue;  // clipped at the muscle's grey value
-  Mask other_blood;      // bright vessels without a label
-  Mask air;
+struct Cut {
+  Mask inside;  // on the root
+  double duality_gap = 0;
+  int iterations = 0;
 };
 
 template <class Rule>
@@ -37,62 +35,6 @@ Mask mask_where(const Grid& grid, Rule rule) {
 
 bool is(std::uint8_t value, Region region) { return value == tag(region); }
 
-double median_of(std::vector<std::int16_t> values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double blood_hu(const CtVolume& ct, const LabelVolume& chambers) {
-  std::vector<std::int16_t> values;
-  for (std::size_t v = 0; v < ct.voxels.size(); ++v)
-    if (is(chambers.voxels[v], Region::lv_blood)) values.push_back(ct.voxels[v]);
-  return median_of(std::move(values), 0);
-}
-
-/// Median of the soft tissue 2 to 6 mm outside the left ventricle's cavity.
-double measured_muscle_hu(const CtVolume& ct, const LabelVolume& chambers, double blood) {
-  const Mask cavity = mask_where(ct.grid, [&](std::size_t v) { return is(chambers.voxels[v], Region::lv_blood); });
-  const auto distance = distance_to(cavity);
-  std::vector<std::int16_t> values;
-  for (std::size_t v = 0; v < ct.voxels.size(); ++v) {
-    const bool shell = distance.voxels[v] > 2 && distance.voxels[v] < 6 && chambers.voxels[v] == 0;
-    if (shell && ct.voxels[v] > 0 && ct.voxels[v] < blood / 2) values.push_back(ct.voxels[v]);
-  }
-  return median_of(std::move(values), blood / 4);
-}
-
-HeartBand prepare(const CtVolume& ct_all, const LabelVolume& chambers_all, const EpicardiumSettings& settings) {
-  const auto& spacing = ct_all.grid.spacing_mm;
-  const double least = std::min({spacing.x, spacing.y, spacing.z});
-  const auto margin = static_cast<std::int64_t>((settings.ventricle_band_mm + 4) / least);
-  HeartBand heart;
-  heart.box = bounding_box(chambers_all, margin, [](std::uint8_t label) { return label != 0; });
-  if (heart.box.empty()) throw UserError("the chambers are empty", "epicardium", "check the seeds");
-  const CtVolume ct = crop(ct_all, heart.box);
-  heart.chambers = crop(chambers_all, heart.box);
-  LabelVolume blood = heart.chambers;
-  std::replace(blood.voxels.begin(), blood.voxels.end(), tag(Region::papillary), std::uint8_t{0});
-  heart.cell = nearest_label(blood, 1e9);
-  const double bright = blood_hu(ct, heart.chambers);
-  const double muscle = settings.muscle_hu > 0 ? settings.muscle_hu : measured_muscle_hu(ct, heart.chambers, bright);
-  heart.tissue = clipped_tissue(ct, muscle);
-  heart.other_blood = open(mask_where(ct.grid,
-                                      [&](std::size_t v) {
-                                        return blood.voxels[v] == 0 && ct.voxels[v] > muscle + 0.6 * (bright - muscle);
-                                      }),
-                           vessel_radius_mm);
-  heart.air = mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < air_hu; });
-  return heart;
-}
-
-struct Cut {
-  Mask inside;  // on the root
-  double duality_gap = 0;
-  int iterations = 0;
-};
-
 /// @collective; `band` is read on the root.
 Cut cut_band(const HeartBand& heart, const BandInput& band, const EpicardiumSettings& settings,
              const parallel::Comm& comm) {
@@ -102,88 +44,199 @@ Cut cut_band(const HeartBand& heart, const BandInput& band, const EpicardiumSett
   const auto cut = minimal_cut(weight, state,
                                {.max_iterations = settings.max_iterations, .duality_gap = settings.duality_gap}, comm);
   Cut result{{}, cut.duality_gap, cut.iterations};
-  if (!comm.is_root()) return result;
-  result.inside = inside_of_cut(cut.u, band);
-  if (band.thick_wall) result.inside = grown_to_half_height(result.inside, band, heart.tissue);
+  if (comm.is_root()) result.inside = inside_of_cut(cut.u, band);
   return result;
 }
 
-/// Voxels that no wall of these chambers may take: blood of others, and the surroundings of other blood.
-Mask forbidden_to(const HeartBand& heart, Region a, Region b) {
-  return mask_where(heart.cell.grid, [&](std::size_t v) {
-    const bool own_cell = is(heart.cell.voxels[v], a) || is(heart.cell.voxels[v], b);
-    return !own_cell || heart.other_blood.voxels[v] != 0;
+Mask within(const Volume<float>& distance_mm, double limit_mm) {
+  return mask_where(distance_mm.grid,
+                    [&](std::size_t v) { return static_cast<double>(distance_mm.voxels[v]) <= limit_mm; });
+}
+
+/// Voxels that the ventricles' walls may not take: places of other walls, and blood without a label.
+Mask forbidden_to_ventricles(const HeartBand& heart) {
+  return mask_where(heart.owner.grid, [&](std::size_t v) {
+    const bool own = is(heart.owner.voxels[v], Region::lv_blood) || is(heart.owner.voxels[v], Region::rv_blood);
+    return !own || heart.other_blood.voxels[v] != 0;
   });
 }
 
-/// Cavity with its papillary muscles.
-Mask cavity(const HeartBand& heart, Region region) {
-  return mask_where(heart.cell.grid,
-                    [&](std::size_t v) { return heart.chambers.voxels[v] != 0 && is(heart.cell.voxels[v], region); });
+bool knows(const HeartBand& heart, Region wall) {
+  return std::find(heart.known.voxels.begin(), heart.known.voxels.end(), tag(wall)) != heart.known.voxels.end();
 }
 
-/// The band of the left ventricle. The septum is free up to the right ventricle's blood.
-BandInput lv_band(const HeartBand& heart, const EpicardiumSettings& settings) {
+/// Both ventricles' walls, or both atria's.
+bool knows_both(const HeartBand& heart, Region a, Region b) { return knows(heart, a) && knows(heart, b); }
+
+/// Known walls are inside; a left ventricle whose wall is known takes nothing more.
+void add_known_walls(const HeartBand& heart, BandInput& band) {
+  const bool left_is_known = knows(heart, Region::lv_myocardium);
+  for (std::size_t v = 0; v < heart.known.voxels.size(); ++v) {
+    const auto wall = heart.known.voxels[v];
+    if (is(wall, Region::lv_myocardium) || is(wall, Region::rv_myocardium))
+      band.inner.voxels[v] = 1;
+    else if (left_is_known && is(heart.owner.voxels[v], Region::lv_blood) && heart.chambers.voxels[v] == 0)
+      band.forbidden.voxels[v] = 1, band.inner.voxels[v] = 0;
+  }
+}
+
+/// The band around both ventricles: the septum lies between them, and no edge in it can draw the cut.
+BandInput ventricular_band(const HeartBand& heart, const EpicardiumSettings& settings) {
   const Mask lv = cavity(heart, Region::lv_blood);
   const Mask rv = cavity(heart, Region::rv_blood);
-  BandInput band{lv,
-                 unite(forbidden_to(heart, Region::lv_blood, Region::rv_blood), rv),
-                 heart.air,
-                 distance_to(lv),
-                 settings.ventricle_band_mm,
-                 true};
-  add_least_wall(band, lv, settings.minimum_lv_wall_mm);
-  return band;
-}
-
-/// The band of the right ventricle around both ventricles; the left one is inside with its wall.
-BandInput rv_band(const HeartBand& heart, const Mask& left, const EpicardiumSettings& settings) {
-  const Mask rv = cavity(heart, Region::rv_blood);
-  BandInput band{unite(left, rv),     forbidden_to(heart, Region::lv_blood, Region::rv_blood),
-                 heart.air,           distance_to(rv),
-                 settings.rv_band_mm, true};
+  BandInput band;
+  band.forbidden = forbidden_to_ventricles(heart);
+  band.beyond = heart.beyond;
+  band.inner = unite(lv, rv);
+  band.thick = mask_where(heart.owner.grid, [&](std::size_t v) { return is(heart.owner.voxels[v], Region::lv_blood); });
+  band.distance_mm = distance_to(rv);
   add_least_wall(band, rv, settings.minimum_rv_wall_mm);
+  const Mask near_rv = within(band.distance_mm, settings.rv_band_mm);
+  const Volume<float> to_rv = std::move(band.distance_mm);
+  band.distance_mm = distance_to(lv);
+  add_least_wall(band, lv, settings.minimum_lv_wall_mm);
+  band.reach = unite(near_rv, within(band.distance_mm, settings.ventricle_band_mm));
+  for (std::size_t v = 0; v < to_rv.voxels.size(); ++v)
+    band.distance_mm.voxels[v] = std::min(band.distance_mm.voxels[v], to_rv.voxels[v]);
+  add_known_walls(heart, band);
   return band;
 }
 
+/// The band around both atria. They may use what the ventricles' walls have left, so that no blood at a valve is bare.
 BandInput atrial_band(const HeartBand& heart, const Mask& ventricles, const EpicardiumSettings& settings) {
   const Mask atria = unite(cavity(heart, Region::la_blood), cavity(heart, Region::ra_blood));
-  BandInput band{atria, unite(forbidden_to(heart, Region::la_blood, Region::ra_blood), ventricles), heart.air,
-                 distance_to(atria), settings.atrium_band_mm};
+  BandInput band;
+  band.inner = atria;
+  band.forbidden = mask_where(atria.grid, [&](std::size_t v) {
+    return heart.owner.voxels[v] == 0 || heart.other_blood.voxels[v] != 0 || ventricles.voxels[v] != 0;
+  });
+  band.beyond = heart.beyond;
+  band.distance_mm = distance_to(atria);
+  band.reach = within(band.distance_mm, settings.atrium_band_mm);
+  band.thick = Mask(atria.grid);
   add_least_wall(band, atria, settings.minimum_atrial_wall_mm);
   return band;
 }
 
+/// Cosine between the directions away from the two ventricles: negative in the septum, where leaving one means
+/// approaching the other, positive in the right ventricle's free wall. Smoothed within the wall.
+Volume<float> beyond_right_blood(const Volume<float>& to_lv, const Volume<float>& to_rv, const Mask& wall) {
+  Volume<float> cosine(wall.grid);
+  Volume<float> weight(wall.grid);
+  const auto& size = wall.grid.size;
+  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < size[1]; ++j)
+        for (std::int64_t i = 0; i < size[0]; ++i) {
+          if (!wall(i, j, k)) continue;
+          const Index3 at{i, j, k};
+          weight(i, j, k) = 1;
+          cosine(i, j, k) = static_cast<float>(dot(normalized(gradient(to_lv, at)), normalized(gradient(to_rv, at))));
+        }
+  });
+  weight = gaussian(weight, division_smoothing_mm);
+  cosine = gaussian(cosine, division_smoothing_mm);
+  for (std::size_t v = 0; v < cosine.voxels.size(); ++v)
+    if (wall.voxels[v]) cosine.voxels[v] /= weight.voxels[v];
+  return cosine;
+}
+
+/// Whether the straight way from a voxel of the wall to the left cavity stays in the wall.
+bool reaches_left(const Mask& left_or_wall, const Volume<float>& to_lv, const Index3& from) {
+  const Grid& grid = to_lv.grid;
+  Vec3 at{static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2])};
+  const Vec3 way = normalized(gradient(to_lv, from));
+  const Vec3 step{way.x / grid.spacing_mm.x, way.y / grid.spacing_mm.y, way.z / grid.spacing_mm.z};
+  const auto steps = static_cast<int>(to_lv(from[0], from[1], from[2]));
+  for (int n = 0; n < steps; ++n) {
+    at = at - step;
+    const Index3 here{std::lround(at.x), std::lround(at.y), std::lround(at.z)};
+    if (!grid.contains(here[0], here[1], here[2]) || !left_or_wall(here[0], here[1], here[2])) return false;
+  }
+  return true;
+}
+
+/// The part of the ventricles' wall that is the left one's, with the septum. It meets the right one's free wall on the
+/// surface on which the septum's right side goes on beyond the right cavity's edge.
+Mask left_part(const HeartBand& heart, const Mask& ventricles) {
+  const Mask lv = cavity(heart, Region::lv_blood);
+  const auto to_lv = gaussian(distance_to(lv), distance_smoothing_mm);
+  const auto to_rv = gaussian(distance_to(cavity(heart, Region::rv_blood)), distance_smoothing_mm);
+  const Mask wall = mask_where(heart.owner.grid,
+                               [&](std::size_t v) { return ventricles.voxels[v] && heart.chambers.voxels[v] == 0; });
+  const auto cosine = beyond_right_blood(to_lv, to_rv, wall);
+  const Mask way = unite(wall, lv);
+  Mask left(heart.owner.grid);
+  const auto& size = left.grid.size;
+  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < size[1]; ++j)
+        for (std::int64_t i = 0; i < size[0]; ++i) {
+          if (!wall(i, j, k)) continue;
+          const bool nearer = to_lv(i, j, k) < to_rv(i, j, k);
+          left(i, j, k) = nearer || (cosine(i, j, k) < 0 && reaches_left(way, to_lv, {i, j, k}));
+        }
+  });
+  return left;
+}
+
+/// Walls that are known are kept, and the part of a region that is known gets nothing more.
 LabelVolume label_walls(const HeartBand& heart, const Mask& left, const Mask& ventricles, const Mask& atria) {
-  LabelVolume walls(heart.cell.grid);
+  const bool left_is_known = knows(heart, Region::lv_myocardium);
+  const bool right_is_known = knows(heart, Region::rv_myocardium);
+  LabelVolume walls = heart.known;
   for (std::size_t v = 0; v < walls.voxels.size(); ++v) {
-    if (heart.chambers.voxels[v] != 0) continue;
-    if (left.voxels[v])
-      walls.voxels[v] = tag(Region::lv_myocardium);
-    else if (ventricles.voxels[v])
-      walls.voxels[v] = tag(Region::rv_myocardium);
-    else if (atria.voxels[v])
-      walls.voxels[v] = tag(is(heart.cell.voxels[v], Region::la_blood) ? Region::la_wall : Region::ra_wall);
+    if (heart.chambers.voxels[v] != 0) walls.voxels[v] = 0;
+    if (heart.chambers.voxels[v] != 0 || walls.voxels[v] != 0) continue;
+    if (ventricles.voxels[v]) {
+      const bool to_left = left.voxels[v] && !left_is_known;
+      if (to_left || !right_is_known) walls.voxels[v] = tag(to_left ? Region::lv_myocardium : Region::rv_myocardium);
+    } else if (!atria.voxels.empty() && atria.voxels[v]) {
+      walls.voxels[v] = tag(is(heart.atrium.voxels[v], Region::la_blood) ? Region::la_wall : Region::ra_wall);
+    }
   }
   return walls;
 }
 
+/// Both ventricles with their known walls.
+Mask known_ventricles(const HeartBand& heart) {
+  return mask_where(heart.known.grid, [&](std::size_t v) {
+    const auto wall = heart.known.voxels[v];
+    return is(wall, Region::lv_myocardium) || is(wall, Region::rv_myocardium) ||
+           is(heart.chambers.voxels[v], Region::lv_blood) || is(heart.chambers.voxels[v], Region::rv_blood) ||
+           is(heart.chambers.voxels[v], Region::papillary);
+  });
+}
+
+/// @collective
+bool on_every_rank(bool on_root, const parallel::Comm& comm) {
+  return parallel::sum_int64(comm, comm.is_root() && on_root ? 1 : 0) != 0;
+}
+
 }  // namespace
 
-WallResult epicardium(const CtVolume& ct_on_root, const LabelVolume& chambers_on_root, const SegmentationTree&,
-                      const Landmarks&, const EpicardiumSettings& settings, const parallel::Comm& comm) {
+WallResult epicardium(const CtVolume& ct_on_root, const LabelVolume& chambers_on_root,
+                      const EpicardiumSettings& settings, const parallel::Comm& comm,
+                      const LabelVolume& known_walls_on_root) {
   const auto on_root = [&](auto work) { return parallel::run_on_root(comm, work); };
-  const HeartBand heart = on_root([&] { return prepare(ct_on_root, chambers_on_root, settings); });
-  const Cut left = cut_band(heart, on_root([&] { return lv_band(heart, settings); }), settings, comm);
-  const Cut both = cut_band(heart, on_root([&] { return rv_band(heart, left.inside, settings); }), settings, comm);
-  const Cut atria = cut_band(heart, on_root([&] { return atrial_band(heart, both.inside, settings); }), settings, comm);
+  const HeartBand heart =
+      on_root([&] { return prepare_heart(ct_on_root, chambers_on_root, known_walls_on_root, settings); });
+  Cut both, atria;
+  if (on_every_rank(knows_both(heart, Region::lv_myocardium, Region::rv_myocardium), comm))
+    both.inside = on_root([&] { return known_ventricles(heart); });
+  else
+    both = cut_band(heart, on_root([&] { return ventricular_band(heart, settings); }), settings, comm);
+  if (!on_every_rank(knows_both(heart, Region::la_wall, Region::ra_wall), comm))
+    atria = cut_band(heart, on_root([&] { return atrial_band(heart, both.inside, settings); }), settings, comm);
   WallResult result;
-  result.ventricle_duality_gap = std::max(left.duality_gap, both.duality_gap);
-  result.ventricle_iterations = left.iterations + both.iterations;
+  result.ventricle_duality_gap = both.duality_gap;
+  result.ventricle_iterations = both.iterations;
   result.atrium_duality_gap = atria.duality_gap;
   result.atrium_iterations = atria.iterations;
-  if (comm.is_root())
-    result.walls = pasted(ct_on_root.grid, label_walls(heart, left.inside, both.inside, atria.inside), heart.box);
+  result.walls = on_root([&] {
+    return pasted(ct_on_root.grid, label_walls(heart, left_part(heart, both.inside), both.inside, atria.inside),
+                  heart.box);
+  });
   return result;
 }
 

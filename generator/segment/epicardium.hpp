@@ -2,8 +2,6 @@
 // cut in a band around the cavities.
 #pragma once
 #include "generator/parallel/comm.hpp"
-#include "generator/segment/hierarchy.hpp"
-#include "model/landmarks.hpp"
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
 
@@ -18,8 +16,11 @@ struct WallResult {
 };
 
 /// @collective: the images are read on the root only. Blood and vessels of `chambers_on_root` are never overwritten;
-/// valve orifices stay open.
-WallResult epicardium(const CtVolume& ct_on_root, const LabelVolume& chambers_on_root, const SegmentationTree& tree,
-                      const Landmarks& landmarks, const EpicardiumSettings& settings, const parallel::Comm& comm);
+/// valve orifices stay open. Walls that are known already (from another segmentation; a volume without voxels: none)
+/// are kept as they are and not cut again: lv_myocardium, rv_myocardium, and la_wall with ra_wall, each where present.
+/// Throws UserError for chambers without a voxel.
+WallResult epicardium(const CtVolume& ct_on_root, const LabelVolume& chambers_on_root,
+                      const EpicardiumSettings& settings, const parallel::Comm& comm,
+                      const LabelVolume& known_walls_on_root = {});
 
 }  // namespace heart::segment

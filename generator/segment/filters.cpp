@@ -6,6 +6,7 @@
 #include "generator/parallel/slab.hpp"
 #include "generator/segment/curvature.hpp"
 #include "generator/segment/diffusion.hpp"
+#include "generator/segment/fast_sweeping.hpp"
 #include "generator/segment/redistance.hpp"
 #include "generator/segment/sobolev.hpp"
 #include "generator/segment/total_variation.hpp"
@@ -38,7 +39,8 @@ FilterParameter time_step(double value, const std::string& bound) {
 Filter make_curvature() {
   const CurvatureSettings d;
   return {{"curvature",
-           "motion by mean curvature (thesis 3.4, 8.2)",
+           "motion by mean curvature (thesis 3.4)",
+           "u_t = |∇u| div(∇u / |∇u|), in flux form (3.12)",
            {iterations(d.iterations), time_step(d.time_step, "")}},
           [](Image& image, const Values& p, const Comm& comm) {
             curvature_motion(image, {p.count("iterations"), p["time_step"]}, comm);
@@ -47,7 +49,10 @@ Filter make_curvature() {
 
 Filter make_heat() {
   const HeatSettings d;
-  return {{"heat", "heat equation (thesis 3.1)", {iterations(d.iterations), time_step(d.time_step, ", at most 1/6")}},
+  return {{"heat",
+           "heat equation (thesis 3.1)",
+           "u_t = Δu (3.1)",
+           {iterations(d.iterations), time_step(d.time_step, ", at most 1/6")}},
           [](Image& image, const Values& p, const Comm& comm) {
             heat(image, {p.count("iterations"), p["time_step"]}, comm);
           }};
@@ -56,7 +61,8 @@ Filter make_heat() {
 Filter make_marquina_osher() {
   const MarquinaOsherSettings d;
   return {{"marquina_osher",
-           "total variation in the form of Marquina and Osher (thesis 3.15)",
+           "total variation in the form of Marquina and Osher (thesis 3.4)",
+           "u_t = |∇u| (div(∇u / |∇u|) + lambda (g - u)) (3.15)",
            {{"lambda", d.lambda, "pull to the image, per mm and grey value"},
             iterations(d.iterations),
             time_step(d.time_step, "")}},
@@ -68,7 +74,8 @@ Filter make_marquina_osher() {
 Filter make_perona_malik() {
   const DenoiseSettings d;
   return {{"perona_malik",
-           "edge-preserving diffusion (thesis 3.2)",
+           "edge-preserving diffusion of Perona and Malik (thesis 3.2)",
+           "u_t = div(c ∇u) (3.2), c = 1 / (1 + (d / edge_hu)²), d the difference of two neighbours",
            {iterations(d.iterations),
             time_step(d.time_step, ", at most 1/6"),
             {"edge_hu", d.edge_hu, "contrast at which diffusion falls to a half"}}},
@@ -78,9 +85,18 @@ Filter make_perona_malik() {
 }
 
 Filter make_redistance() {
-  const RedistanceSettings d;
   return {{"redistance",
-           "level set to signed distance in mm, negative inside (thesis 8.2)",
+           "signed distance to the zero level, mm, negative inside, by fast sweeping",
+           "|∇φ| = 1, φ = 0 where the image is 0 (the steady state of 8.3); errors of a hundredth of a voxel",
+           {}},
+          [](Image& image, const Values&, const Comm& comm) { fast_sweeping(image, comm); }};
+}
+
+Filter make_reinitialise() {
+  const RedistanceSettings d;
+  return {{"reinitialise",
+           "the same by the evolution equation of thesis 8.2, near the zero level",
+           "φ_t = S(φ0) (1 - |∇φ|) (8.3), |∇φ| upwind (8.6, 8.7)",
            {{"iterations", static_cast<double>(d.iterations), "number of steps; distances spread half a voxel each"}}},
           [](Image& image, const Values& p, const Comm& comm) { redistance(image, {p.count("iterations")}, comm); }};
 }
@@ -89,6 +105,7 @@ Filter make_sobolev() {
   const SobolevSettings d;
   return {{"sobolev",
            "Sobolev smoothing (thesis 3.3)",
+           "min ∫ length² |∇u|² + (u - g)² (3.4)",
            {{"length_mm", d.length_mm, "details smaller than this are smoothed"},
             {"tolerance", d.tolerance, "relative error of the solution"}}},
           [](Image& image, const Values& p, const Comm& comm) {
@@ -96,9 +113,9 @@ Filter make_sobolev() {
           }};
 }
 
-Filter make_total_variation(const char* name, const char* help, double lambda, const char* unit,
+Filter make_total_variation(const char* name, const char* help, const char* equation, double lambda, const char* unit,
                             void (*apply)(Image&, const Values&, const Comm&)) {
-  return {{name, help, {{"lambda", lambda, unit}, iterations(TotalVariationSettings{}.iterations)}}, apply};
+  return {{name, help, equation, {{"lambda", lambda, unit}, iterations(TotalVariationSettings{}.iterations)}}, apply};
 }
 
 const std::vector<Filter>& registry() {
@@ -108,14 +125,16 @@ const std::vector<Filter>& registry() {
       make_marquina_osher(),
       make_perona_malik(),
       make_redistance(),
+      make_reinitialise(),
       make_sobolev(),
-      make_total_variation("tv_l1", "total variation with L1 fidelity (thesis 3.17)", 1,
+      make_total_variation("tv_l1", "total variation with L1 fidelity (thesis 3.4)",
+                           "min ∫ |∇u| + lambda |u - g| (3.17)", 1,
                            "weight of the fidelity, per mm: discs with radii below 2 / lambda vanish",
                            [](Image& image, const Values& p, const Comm& comm) {
                              total_variation_l1(image, {p["lambda"], p.count("iterations")}, comm);
                            }),
-      make_total_variation("tv_l2", "total variation with L2 fidelity (thesis 3.8)", 0.02,
-                           "weight of the fidelity, per mm and grey value",
+      make_total_variation("tv_l2", "total variation with L2 fidelity (thesis 3.4)",
+                           "min ∫ |∇u| + lambda (u - g)² (3.8)", 0.02, "weight of the fidelity, per mm and grey value",
                            [](Image& image, const Values& p, const Comm& comm) {
                              total_variation_l2(image, {p["lambda"], p.count("iterations")}, comm);
                            }),

@@ -17,7 +17,8 @@ struct FilterParameter {
 
 struct FilterInfo {
   std::string name;
-  std::string help;  ///< one line, with the thesis section
+  std::string help;      ///< one line, with the thesis section
+  std::string equation;  ///< what it solves, with its number in the thesis
   std::vector<FilterParameter> parameters;
 };
 

@@ -75,14 +75,18 @@ void absorb_islands(LabelVolume& all) {
 
 }  // namespace
 
-LabelVolume fuse_labels(const LabelVolume& chambers, const LabelVolume& walls, const BodyResult& body,
-                        const Mask& trachea) {
-  LabelVolume labels(chambers.grid);
+LabelVolume label_surroundings(const BodyResult& body, const Mask& trachea) {
+  LabelVolume labels(body.body.grid);
   put(labels, body.body, Region::torso);
   put(labels, body.liver, Region::liver);
   put(labels, body.lung, Region::lung);
   put(labels, body.bone, Region::bone);
   put(labels, trachea, Region::trachea);
+  return labels;
+}
+
+LabelVolume fuse_labels(const LabelVolume& chambers, const LabelVolume& walls, const LabelVolume& surroundings) {
+  LabelVolume labels = surroundings;
   put_labels(labels, walls);
   put_labels(labels, chambers);
   absorb_islands(labels);

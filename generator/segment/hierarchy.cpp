@@ -69,7 +69,7 @@ SegmentationSide split(const Volume<float>& image, const SegmentationStep& step,
     cut = chan_vese(heat(image, {.iterations = step.smoothing}, comm), domain, settings, comm);
   else
     cut = chan_vese(image, domain, settings, comm);
-  SegmentationSide result{step.name, {}, std::move(cut.above), cut.c_below, cut.c_above};
+  SegmentationSide result{step.name, {}, std::move(cut.above), cut.c_below, cut.c_above, cut.iterations};
   if (comm.is_root()) {
     result.below = domain;
     for (std::size_t v = 0; v < domain.voxels.size(); ++v) result.below.voxels[v] &= result.above.voxels[v] == 0;

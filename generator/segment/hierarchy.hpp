@@ -16,6 +16,7 @@ struct SegmentationSide {
   Mask above;          ///< voxels of the domain on the brighter side
   double c_below = 0;  ///< median (L1) or mean (L2) grey value of each side
   double c_above = 0;
+  int iterations = 0;  ///< sweeps of the solver
 };
 
 using SegmentationTree = std::vector<SegmentationSide>;

@@ -1,9 +1,13 @@
 #include "generator/segment/median.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <numeric>
+
+#include "model/error.hpp"
 
 namespace heart::segment {
 namespace {
@@ -73,11 +77,22 @@ std::optional<Place> find_median(Histogram histogram) {
   return find(histogram, (total - 1) / 2);
 }
 
+/// Infinities and NaN have keys beyond those of all finite values, in bins of their own.
+void refuse_not_finite(Histogram high) {
+  constexpr std::size_t first_finite = 0x0080, first_positive_infinity = 0xff80;
+  std::int64_t bad = 0;
+  for (std::size_t bin = 0; bin < high.size(); ++bin)
+    if (bin % bins < first_finite || bin % bins >= first_positive_infinity) bad += high[bin];
+  if (bad > 0)
+    throw UserError(fmt::format("{} values are not finite", bad), "median", "replace NaN and infinity first");
+}
+
 }  // namespace
 
 std::vector<std::optional<float>> medians(const Slab<float>& values, const Slab<std::uint8_t>& mask, Labels labels,
                                           const Comm& comm) {
   const auto high = count(values, mask, labels, comm, [](float v, std::size_t) { return std::size_t{key(v) >> 16}; });
+  refuse_not_finite(high);
   std::vector<std::optional<Place>> upper;
   for (std::size_t n = 0; n < labels.size(); ++n) upper.push_back(find_median(Histogram(high).subspan(n * bins, bins)));
   const auto low = count(values, mask, labels, comm, [&upper](float v, std::size_t n) {

@@ -2,7 +2,7 @@
 // bits each over the ordered bit patterns, summed over the ranks. Threads, ranks and order do not matter.
 //
 // The median is the lower one: the element (n - 1) / 2 of the sorted values, as std::nth_element gives it. -0 counts
-// as +0. Values must be finite.
+// as +0. Throws UserError, on every rank, for NaN and infinity under a label that is asked for.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -40,22 +40,6 @@ struct Problem {
   Slab<float> tau;  ///< step of each free voxel, 0 on the others
 };
 
-/// A voxel's dual vector points to its upper neighbours: it matters where the voxel or one of those is free.
-RowRuns link_runs(const RowRuns& free, const Slab<std::uint8_t>& state) {
-  RowRuns links = free;
-  if (state.count == 0) return links;
-  const auto ny = state.grid.size[1];
-  for (auto k = state.first - 1; k < state.end(); ++k)
-    for (std::int64_t j = 0; j < ny; ++j) {
-      auto& row = links.at(j, k);
-      for (auto& run : row) run.begin = std::max<std::int64_t>(run.begin - 1, 0);
-      if (j + 1 < ny) row.insert(row.end(), free.at(j + 1, k).begin(), free.at(j + 1, k).end());
-      row.insert(row.end(), free.at(j, k + 1).begin(), free.at(j, k + 1).end());
-      merge_runs(row);
-    }
-  return links;
-}
-
 /// Diagonal preconditioning (Pock and Chambolle 2011): a voxel's step is one over the sum of the weights of its links.
 Slab<float> primal_steps(const Slab<float>& h, const Slab<std::uint8_t>& state, const AxisWeights& w) {
   auto tau = parallel::make_slab_like<float>(h, 0);

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "generator/segment/primal_dual.hpp"
+#include "generator/segment/simd.hpp"
 #include "generator/segment/stencil.hpp"
-#include "generator/segment/vectorise.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {
@@ -27,8 +27,6 @@ HEART_INLINE Differences differences(const StencilRow& row, std::int64_t l, std:
           w.y * (row.above_j[i] - u), w.z * (u - row.below_k[i]), w.z * (row.above_k[i] - u)};
 }
 
-HEART_INLINE float square(float v) { return v * v; }
-
 /// Squared upwind slope along an axis for a front that moves outwards (8.7).
 HEART_INLINE float upwind(float lower, float upper) {
   return square(larger(larger(lower, 0.0f), -smaller(upper, 0.0f)));
@@ -43,14 +41,18 @@ HEART_INLINE float evolve(const StencilRow& row, std::int64_t l, std::int64_t i,
   return row.u[i] + time_step * sign * (1.0f - slope);
 }
 
-HEART_VECTOR void evolve_row(const StencilRow& r, const float* sign, const AxisWeights& weights, float time_step) {
+HEART_INLINE void evolve_row_body(const StencilRow& r, const float* sign, const AxisWeights& weights, float time_step) {
   const StencilRow row = r;
   const AxisWeights w = weights;
   const auto last = row.nx - 1;
   row.out[0] = evolve(row, 0, 0, last > 0 ? 1 : 0, sign[0], w, time_step);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (std::int64_t i = 1; i < last; ++i) row.out[i] = evolve(row, i - 1, i, i + 1, sign[i], w, time_step);
   if (last > 0) row.out[last] = evolve(row, last - 1, last, last, sign[last], w, time_step);
+}
+
+void evolve_row(const StencilRow& r, const float* sign, const AxisWeights& weights, float time_step) {
+  vectorised<evolve_row_body>(r, sign, weights, time_step);
 }
 
 bool inside(float value) { return value < 0; }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "generator/segment/vectorise.hpp"
+#include "generator/segment/simd.hpp"
 
 namespace heart::segment {
 namespace {
@@ -43,24 +43,29 @@ HEART_INLINE float flux(float difference, float step, float inverse_edge2) {
 
 }  // namespace
 
-HEART_VECTOR void dual_row(const DualRow& r, const AxisWeights& step) {
+namespace {
+HEART_INLINE void dual_row_body(const DualRow& r, const AxisWeights& step) {
   const DualRow row = r;
   const AxisWeights s = step;
   const auto end = end_of_links(row);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (auto i = row.begin; i < end; ++i)
     ascend(row, i, s.x * (row.bar[i + 1] - row.bar[i]), s.y * (row.bar_j[i] - row.bar[i]),
            s.z * (row.bar_k[i] - row.bar[i]), 1.0f);
   for (auto i = end; i < row.end; ++i)
     ascend(row, i, 0.0f, s.y * (row.bar_j[i] - row.bar[i]), s.z * (row.bar_k[i] - row.bar[i]), 1.0f);
 }
+}  // namespace
 
-HEART_VECTOR void dual_row_masked(const DualRow& r, const AxisWeights& step, const std::uint8_t* mask,
-                                  const std::uint8_t* mask_j, const std::uint8_t* mask_k) {
+void dual_row(const DualRow& r, const AxisWeights& step) { vectorised<dual_row_body>(r, step); }
+
+namespace {
+HEART_INLINE void dual_row_masked_body(const DualRow& r, const AxisWeights& step, const std::uint8_t* mask,
+                                       const std::uint8_t* mask_j, const std::uint8_t* mask_k) {
   const DualRow row = r;
   const AxisWeights s = step;
   const auto end = end_of_links(row);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (auto i = row.begin; i < end; ++i)
     ascend(row, i, s.x * (row.bar[i + 1] - row.bar[i]) * link(mask[i], mask[i + 1]),
            s.y * (row.bar_j[i] - row.bar[i]) * link(mask[i], mask_j[i]),
@@ -69,63 +74,105 @@ HEART_VECTOR void dual_row_masked(const DualRow& r, const AxisWeights& step, con
     ascend(row, i, 0.0f, s.y * (row.bar_j[i] - row.bar[i]) * link(mask[i], mask_j[i]),
            s.z * (row.bar_k[i] - row.bar[i]) * link(mask[i], mask_k[i]), 1.0f);
 }
+}  // namespace
 
-HEART_VECTOR void dual_row_weighted(const DualRow& r, const AxisWeights& step, const float* h) {
+void dual_row_masked(const DualRow& r, const AxisWeights& step, const std::uint8_t* mask, const std::uint8_t* mask_j,
+                     const std::uint8_t* mask_k) {
+  vectorised<dual_row_masked_body>(r, step, mask, mask_j, mask_k);
+}
+
+namespace {
+HEART_INLINE void dual_row_weighted_body(const DualRow& r, const AxisWeights& step, const float* h) {
   const DualRow row = r;
   const AxisWeights s = step;
   const auto end = end_of_links(row);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (auto i = row.begin; i < end; ++i)
     ascend(row, i, h[i] * (s.x * (row.bar[i + 1] - row.bar[i])), h[i] * (s.y * (row.bar_j[i] - row.bar[i])),
            h[i] * (s.z * (row.bar_k[i] - row.bar[i])), h[i]);
   for (auto i = end; i < row.end; ++i)
     ascend(row, i, 0.0f, h[i] * (s.y * (row.bar_j[i] - row.bar[i])), h[i] * (s.z * (row.bar_k[i] - row.bar[i])), h[i]);
 }
+}  // namespace
 
-HEART_VECTOR void primal_row_force(const PrimalRow& r, const AxisWeights& step, const float* g,
-                                   const LinearForce& force) {
+void dual_row_weighted(const DualRow& r, const AxisWeights& step, const float* h) {
+  vectorised<dual_row_weighted_body>(r, step, h);
+}
+
+namespace {
+HEART_INLINE void primal_row_force_body(const PrimalRow& r, const AxisWeights& step, const float* g,
+                                        const LinearForce& force) {
   const PrimalRow row = r;
   const AxisWeights s = step;
   const LinearForce f = force;
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (auto i = row.begin; i < row.end; ++i) {
     const float pull = larger(-f.limit, smaller(f.limit, f.gain * (f.middle - g[i])));
     store(row, i, clamp01(row.u[i] + divergence(row, i, s) - pull));
   }
 }
+}  // namespace
 
-HEART_VECTOR void primal_row_steps(const PrimalRow& r, const AxisWeights& weights, const float* tau) {
-  const PrimalRow row = r;
-  const AxisWeights w = weights;
-#pragma GCC ivdep
-  for (auto i = row.begin; i < row.end; ++i) store(row, i, clamp01(row.u[i] + tau[i] * divergence(row, i, w)));
+void primal_row_force(const PrimalRow& r, const AxisWeights& step, const float* g, const LinearForce& force) {
+  vectorised<primal_row_force_body>(r, step, g, force);
 }
 
-HEART_VECTOR void primal_row_l2(const PrimalRow& r, const AxisWeights& step, const float* g, float pull) {
+namespace {
+HEART_INLINE void primal_row_steps_body(const PrimalRow& r, const AxisWeights& weights, const float* tau) {
+  const PrimalRow row = r;
+  const AxisWeights w = weights;
+  HEART_INDEPENDENT
+  for (auto i = row.begin; i < row.end; ++i) store(row, i, clamp01(row.u[i] + tau[i] * divergence(row, i, w)));
+}
+}  // namespace
+
+void primal_row_steps(const PrimalRow& r, const AxisWeights& weights, const float* tau) {
+  vectorised<primal_row_steps_body>(r, weights, tau);
+}
+
+namespace {
+HEART_INLINE void primal_row_l2_body(const PrimalRow& r, const AxisWeights& step, const float* g, float pull) {
   const PrimalRow row = r;
   const AxisWeights s = step;
   const float scale = 1.0f / (1.0f + pull);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (auto i = row.begin; i < row.end; ++i) store(row, i, (row.u[i] + divergence(row, i, s) + pull * g[i]) * scale);
 }
+}  // namespace
 
-HEART_VECTOR void primal_row_l1(const PrimalRow& r, const AxisWeights& step, const float* g, float pull) {
+void primal_row_l2(const PrimalRow& r, const AxisWeights& step, const float* g, float pull) {
+  vectorised<primal_row_l2_body>(r, step, g, pull);
+}
+
+namespace {
+HEART_INLINE void primal_row_l1_body(const PrimalRow& r, const AxisWeights& step, const float* g, float pull) {
   const PrimalRow row = r;
   const AxisWeights s = step;
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (auto i = row.begin; i < row.end; ++i) {
     const float away = row.u[i] + divergence(row, i, s) - g[i];
     store(row, i, g[i] + (larger(away - pull, 0.0f) - larger(-away - pull, 0.0f)));
   }
 }
+}  // namespace
 
-HEART_VECTOR void gradient_norms(const DualRow& r, const AxisWeights& weights, float* out) {
+void primal_row_l1(const PrimalRow& r, const AxisWeights& step, const float* g, float pull) {
+  vectorised<primal_row_l1_body>(r, step, g, pull);
+}
+
+namespace {
+HEART_INLINE void gradient_norms_body(const DualRow& r, const AxisWeights& weights, float* out) {
   const DualRow row = r;
   const AxisWeights w = weights;
   const auto end = end_of_links(row);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (auto i = row.begin; i < end; ++i) out[i] = gradient_norm(row, i, row.bar[i + 1] - row.bar[i], w);
   for (auto i = end; i < row.end; ++i) out[i] = gradient_norm(row, i, 0.0f, w);
+}
+}  // namespace
+
+void gradient_norms(const DualRow& r, const AxisWeights& weights, float* out) {
+  vectorised<gradient_norms_body>(r, weights, out);
 }
 
 double gradient_row_sum(const DualRow& row, const AxisWeights& weights, const float* h) {
@@ -140,11 +187,17 @@ double gradient_row_sum(const DualRow& row, const AxisWeights& weights, const fl
   return sum;
 }
 
-HEART_VECTOR void divergence_row(const PrimalRow& r, const AxisWeights& weights, float* out) {
+namespace {
+HEART_INLINE void divergence_row_body(const PrimalRow& r, const AxisWeights& weights, float* out) {
   const PrimalRow row = r;
   const AxisWeights w = weights;
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (auto i = row.begin; i < row.end; ++i) out[i] = divergence(row, i, w);
+}
+}  // namespace
+
+void divergence_row(const PrimalRow& r, const AxisWeights& weights, float* out) {
+  vectorised<divergence_row_body>(r, weights, out);
 }
 
 namespace {
@@ -165,7 +218,8 @@ HEART_INLINE float perona_malik_at(const StencilRow& row, std::int64_t i, float 
 
 }  // namespace
 
-HEART_VECTOR void heat_row(const StencilRow& r, const AxisWeights& step) {
+namespace {
+HEART_INLINE void heat_row_body(const StencilRow& r, const AxisWeights& step) {
   const StencilRow row = r;
   const AxisWeights s = step;
   const auto last = row.nx - 1;
@@ -174,12 +228,16 @@ HEART_VECTOR void heat_row(const StencilRow& r, const AxisWeights& step) {
     return;
   }
   row.out[0] = heat_at(row, 0, row.u[0], row.u[1], s);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (std::int64_t i = 1; i < last; ++i) row.out[i] = heat_at(row, i, row.u[i - 1], row.u[i + 1], s);
   row.out[last] = heat_at(row, last, row.u[last - 1], row.u[last], s);
 }
+}  // namespace
 
-HEART_VECTOR void perona_malik_row(const StencilRow& r, const AxisWeights& step, float inverse_edge2) {
+void heat_row(const StencilRow& r, const AxisWeights& step) { vectorised<heat_row_body>(r, step); }
+
+namespace {
+HEART_INLINE void perona_malik_row_body(const StencilRow& r, const AxisWeights& step, float inverse_edge2) {
   const StencilRow row = r;
   const AxisWeights s = step;
   const float e = inverse_edge2;
@@ -189,9 +247,14 @@ HEART_VECTOR void perona_malik_row(const StencilRow& r, const AxisWeights& step,
     return;
   }
   row.out[0] = perona_malik_at(row, 0, row.u[0], row.u[1], s, e);
-#pragma GCC ivdep
+  HEART_INDEPENDENT
   for (std::int64_t i = 1; i < last; ++i) row.out[i] = perona_malik_at(row, i, row.u[i - 1], row.u[i + 1], s, e);
   row.out[last] = perona_malik_at(row, last, row.u[last - 1], row.u[last], s, e);
+}
+}  // namespace
+
+void perona_malik_row(const StencilRow& r, const AxisWeights& step, float inverse_edge2) {
+  vectorised<perona_malik_row_body>(r, step, inverse_edge2);
 }
 
 }  // namespace heart::segment

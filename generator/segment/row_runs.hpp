@@ -69,4 +69,25 @@ RowRuns row_runs(const parallel::Slab<T>& slab, Active&& active) {
   return result;
 }
 
+/// Voxels with a link to a visited voxel. A voxel's dual vector points to its upper neighbours: it matters where the
+/// voxel or one of those is visited.
+template <class T>
+RowRuns link_runs(const RowRuns& visited, const parallel::Slab<T>& slab) {
+  RowRuns links = visited;
+  if (slab.count == 0) return links;
+  const auto ny = slab.grid.size[1];
+  const auto first = (slab.first - 1) * ny;
+  parallel::parallel_for(first, slab.end() * ny, [&](std::int64_t from, std::int64_t to) {
+    for (auto r = from; r < to; ++r) {
+      const auto k = (r - first) / ny + slab.first - 1, j = (r - first) % ny;
+      auto& row = links.at(j, k);
+      for (auto& run : row) run.begin = std::max<std::int64_t>(run.begin - 1, 0);
+      if (j + 1 < ny) row.insert(row.end(), visited.at(j + 1, k).begin(), visited.at(j + 1, k).end());
+      row.insert(row.end(), visited.at(j, k + 1).begin(), visited.at(j, k + 1).end());
+      merge_runs(row);
+    }
+  });
+  return links;
+}
+
 }  // namespace heart::segment

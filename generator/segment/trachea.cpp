@@ -1,24 +1,32 @@
 #include "generator/segment/trachea.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <vector>
 
+#include "generator/segment/box_around.hpp"
+#include "generator/segment/chan_vese.hpp"
 #include "generator/segment/components.hpp"
+#include "generator/segment/crop.hpp"
+#include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
-#include "generator/segment/vessel_ends.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {
 namespace {
 
-constexpr int lumen_hu = -700;            // a trachea's disc is darker than this
-constexpr double volume_limit_ml = 120;   // trachea and bronchi have 30 to 80: more is a leak into the lungs
-constexpr double branch_radius_mm = 2.5;  // thinner bronchi are left to the lung
-constexpr double wall_reach_mm = 2;       // from the leak-free core to the lumen's wall
-constexpr double least_chain_mm = 20;     // a trachea runs at least this far through the slices
+constexpr int lumen_hu = -700;           // a trachea's disc is darker than this
+constexpr double volume_limit_ml = 120;  // trachea and bronchi have 30 to 80: more is a leak into the lungs
+constexpr double least_chain_mm = 20;    // a trachea runs at least this far through the slices
+constexpr double least_contrast_hu = 50, least_lung_ml = 1;  // lung beside the airways, if there is any
+constexpr double lumen_radius_mm = 3;                        // ball inside the lumen whose median is its grey value
+constexpr double curvature_mm = 1;     // tubes in the lung with radii below twice this are left to it
+constexpr double smoothing_mm = 1;     // of the image that outlines where the contour is looked for
+constexpr double margin_mm = 4;        // around that outline
+constexpr double wall_reach_mm = 2.5;  // from the lumen to the crest of its wall
 
 struct Disc {
   double x = 0, y = 0;  // centroid, mm along the grid's axes
@@ -102,6 +110,79 @@ std::optional<Index3> start_voxel(const CtVolume& ct, const Landmarks& landmarks
   return seed_in_mask(ct, air, "trachea", seed->second, 3, "air");
 }
 
+Volume<float> as_float(const CtVolume& ct) {
+  Volume<float> image(ct.grid);
+  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
+  return image;
+}
+
+double median_of(const CtVolume& ct, const Mask& mask) {
+  std::vector<std::int16_t> values;
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v)
+    if (mask.voxels[v]) values.push_back(ct.voxels[v]);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The grey value of the lung that `air` leaks into; nothing where there is none. More air than airways can hold is
+/// mostly lung. Else lung is what is brighter than the lumen without being half wall.
+std::optional<double> lung_grey(const CtVolume& ct, const Mask& air, const Volume<float>& smooth, double lumen_grey,
+                                std::int64_t limit) {
+  if (count(air) > limit) return median_of(ct, air);
+  const Vec3& spacing = ct.grid.spacing_mm;
+  const Mask deep = erode(air, 1.5 * std::max({spacing.x, spacing.y, spacing.z}));
+  const Mask brighter = mask_where(ct.grid, [&](std::size_t v) {
+    return deep.voxels[v] && static_cast<double>(smooth.voxels[v]) > lumen_grey + least_contrast_hu;
+  });
+  if (static_cast<double>(count(brighter)) * ct.grid.voxel_volume_mm3() < least_lung_ml * 1000) return std::nullopt;
+  return median_of(ct, brighter);
+}
+
+/// Airways and lung in one domain: the contour between their grey values with a high weight of the curvature, so that
+/// it does not follow thin bronchi (thesis 6.2.1). `air` holds both. Empty where the seed is not inside.
+Mask airways_at(const Volume<float>& image, const Volume<float>& smooth, const Mask& air, const Index3& seed,
+                double lumen_grey, double level) {
+  const auto dark = mask_where(
+      air.grid, [&](std::size_t v) { return air.voxels[v] && static_cast<double>(smooth.voxels[v]) < level; });
+  const Mask outline = component_of(dark, seed);
+  if (count(outline) == 0) return outline;
+  const auto margin = static_cast<std::int64_t>(
+      std::ceil(margin_mm / std::min({air.grid.spacing_mm.x, air.grid.spacing_mm.y, air.grid.spacing_mm.z})));
+  const Box box = bounding_box(outline, margin, [](std::uint8_t v) { return v != 0; });
+  const Mask domain = intersect(dilate(crop(outline, box), margin_mm), crop(air, box));
+  const auto self = parallel::self();
+  const auto found = chan_vese_at(parallel::scatter(crop(image, box), self), parallel::scatter(domain, self),
+                                  lumen_grey, 2 * level - lumen_grey, {.mu = curvature_mm}, self);
+  return pasted(air.grid, subtract(domain, parallel::gather(found.above, self)), box);
+}
+
+/// Adds the voxels beside the lumen that are more lumen than wall: darker than half-way between the lumen and the
+/// crest of the wall, looked for straight on. Half of every wall lies in voxels that it shares with the lumen.
+Mask grown_to_the_wall(const CtVolume& ct, const Mask& lumen, double lumen_grey) {
+  const auto& size = ct.grid.size;
+  Mask grown = lumen;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i) {
+        if (!lumen(i, j, k)) continue;
+        for (int face = 0; face < 6; ++face) {
+          const auto axis = static_cast<std::size_t>(face / 2);
+          const std::int64_t sign = face % 2 ? 1 : -1;
+          Index3 at{i, j, k};
+          at[axis] += sign;
+          if (!ct.grid.contains(at[0], at[1], at[2]) || lumen(at[0], at[1], at[2])) continue;
+          const Index3 next = at;
+          double crest = -32768;
+          for (double way = 0; way <= wall_reach_mm && ct.grid.contains(at[0], at[1], at[2]);
+               way += ct.grid.spacing_mm[face / 2], at[axis] += sign)
+            crest = std::max(crest, static_cast<double>(ct(at[0], at[1], at[2])));
+          if (2 * ct(next[0], next[1], next[2]) < lumen_grey + crest) grown(next[0], next[1], next[2]) = 1;
+        }
+      }
+  return grown;
+}
+
 }  // namespace
 
 Mask segment_trachea(const CtVolume& ct, const SegmentationTree& tree, const Landmarks& landmarks) {
@@ -110,16 +191,18 @@ Mask segment_trachea(const CtVolume& ct, const SegmentationTree& tree, const Lan
   // The first split of the tree parts air and tissue: the wall lies half-way between their grey values.
   const int wall_hu = tree.empty() ? -500 : static_cast<int>((tree.front().c_below + tree.front().c_above) / 2);
   const auto limit = static_cast<std::int64_t>(volume_limit_ml * 1000 / ct.grid.voxel_volume_mm3());
-  // The brightest threshold without a leak: the walls of small bronchi vanish in the partial volume above it.
-  for (int threshold = wall_hu; threshold >= -1000; threshold -= 25) {
-    const Mask air = mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < threshold; });
-    Mask lumen = component_of(air, *seed, limit);
-    if (count(lumen) == 0) continue;
-    lumen = drop_thin_branches(lumen, branch_radius_mm);
-    const Mask reach = dilate(lumen, threshold < wall_hu ? wall_reach_mm : 0);
-    return mask_where(ct.grid, [&](std::size_t v) {
-      return lumen.voxels[v] || (reach.voxels[v] && ct.voxels[v] < wall_hu && ct.voxels[v] > -1100);
-    });
+  const Mask air = component_of(mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < wall_hu; }), *seed);
+  const Vec3 center = lps_from_index(
+      ct.grid, {static_cast<double>((*seed)[0]), static_cast<double>((*seed)[1]), static_cast<double>((*seed)[2])});
+  const double lumen_grey = median_around(ct, center, lumen_radius_mm);
+  const Volume<float> image = as_float(ct), smooth = gaussian(image, smoothing_mm);
+  const auto lung = lung_grey(ct, air, smooth, lumen_grey, limit);
+  if (!lung) return air;
+  // As close to the grey value of the lung as it can be without a leak: parts of the lung may be as dark as the lumen.
+  for (const double share : {0.8, 0.65, 0.5, 0.35, 0.2}) {
+    const double level = lumen_grey + share * (*lung - lumen_grey);
+    const Mask lumen = component_of(airways_at(image, smooth, air, *seed, lumen_grey, level), *seed, limit);
+    if (count(lumen) > 0) return fill_holes(grown_to_the_wall(ct, lumen, lumen_grey));
   }
   return Mask(ct.grid);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "generator/segment/median.hpp"
@@ -138,6 +139,32 @@ void divide(const Slab<float>& image, const Slab<std::uint8_t>& domain, const Tw
     std::uint8_t* side = sides.row(j, k);
     for (std::int64_t i = 0; i < nx; ++i) side[i] = !d[i] ? side_none : g[i] > threshold ? side_above : side_below;
   });
+}
+
+std::int64_t divide_at_level(const Slab<float>& field, float level, Slab<std::uint8_t>& sides, const Comm& comm) {
+  const auto nx = field.grid.size[0], rows = field.grid.size[1];
+  std::vector<std::int64_t> changed(static_cast<std::size_t>(parallel::thread_count()), 0);
+  parallel::parallel_for(field.first * rows, field.end() * rows, [&](std::int64_t begin, std::int64_t end, int piece) {
+    std::int64_t count = 0;
+    for (auto row = begin; row < end; ++row) {
+      const float* value = field.row(row % rows, row / rows);
+      std::uint8_t* side = sides.row(row % rows, row / rows);
+      for (std::int64_t i = 0; i < nx; ++i) {
+        const std::uint8_t now = side[i] == side_none ? side_none : value[i] > level ? side_above : side_below;
+        count += now != side[i];
+        side[i] = now;
+      }
+    }
+    changed[static_cast<std::size_t>(piece)] = count;
+  });
+  return parallel::sum_int64(comm, std::accumulate(changed.begin(), changed.end(), std::int64_t{0}));
+}
+
+Slab<std::uint8_t> above_mask(const Slab<std::uint8_t>& sides, const Comm& comm) {
+  auto above = parallel::make_slab_like<std::uint8_t>(sides, 1);
+  std::ranges::transform(sides.owned(), above.owned().begin(), [](std::uint8_t s) { return s == side_above ? 1 : 0; });
+  parallel::exchange_halo(above, comm);
+  return above;
 }
 
 TwoClasses two_classes(const Slab<float>& image, const Slab<std::uint8_t>& domain, Norm norm, const Comm& comm) {

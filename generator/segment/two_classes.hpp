@@ -25,6 +25,14 @@ TwoClasses side_values(const parallel::Slab<float>& image, const parallel::Slab<
 void divide(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain, const TwoClasses& classes,
             parallel::Slab<std::uint8_t>& sides);
 
+/// Sides by a level of a field: above where field > level; voxels of no side keep that. Returns how many voxels have
+/// changed sides. @collective
+std::int64_t divide_at_level(const parallel::Slab<float>& field, float level, parallel::Slab<std::uint8_t>& sides,
+                             const parallel::Comm& comm);
+
+/// 1 where the side is above, with one ghost slice, filled. @collective
+parallel::Slab<std::uint8_t> above_mask(const parallel::Slab<std::uint8_t>& sides, const parallel::Comm& comm);
+
 /// The domain must not be empty. @collective
 TwoClasses two_classes(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain, Norm norm,
                        const parallel::Comm& comm);

@@ -1,4 +1,5 @@
-// The lumen of one vessel (a carotid) out of an angiogram.
+// The lumen of one vessel (a carotid) out of an angiogram, in the three steps of thesis 8.3.3: a threshold, a contour
+// that moves to the edge, and a smoothing by total variation.
 #pragma once
 #include "model/vec.hpp"
 #include "model/volume.hpp"
@@ -6,11 +7,15 @@
 namespace heart::segment {
 
 struct VesselSettings {
-  double smoothing_hu = 30;       ///< strength of the total variation smoothing, 0 for none
+  double smoothing_hu = 30;       ///< strength of the total variation smoothing before the threshold, 0 for none
+  double curvature_mm = 0.1;      ///< weight of the lumen's surface: tubes with radii below twice this vanish
   double maximum_volume_ml = 60;  ///< more is taken for a leak
 };
 
-/// The bright component at the seed, cut half-way between the lumen's grey value and that of its surroundings.
+/// The lumen at the seed. The bright component at the seed, cut half-way between its grey value and that of its wider
+/// surroundings, says where the vessel is; its surface then lies where the image falls most steeply along its normals:
+/// at a grey value that is measured there, averaged over a few millimetres of the vessel, and so follows a wall, fat or
+/// muscle beyond it and a contrast that fades along it.
 /// Throws UserError for a seed outside the image, or not brighter than its surroundings, and for a leak. Root only.
 Mask segment_vessel(const CtVolume& angiogram, const Vec3& seed_mm, const VesselSettings& settings = {});
 

@@ -1,6 +1,7 @@
 #include "generator/segment/vessel_ends.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "generator/segment/components.hpp"
@@ -48,6 +49,19 @@ const Vec3& nearest(const std::vector<Vec3>& points, const Vec3& to) {
                            [&](const Vec3& a, const Vec3& b) { return norm(a - to) < norm(b - to); });
 }
 
+/// The opening of a chamber by a share of its inscribed radius, the piece that holds the deepest point.
+Mask wide_part(const Mask& chamber, double core_share) {
+  Mask outside(chamber.grid);
+  for (std::size_t v = 0; v < outside.voxels.size(); ++v) outside.voxels[v] = chamber.voxels[v] == 0;
+  const auto depth = distance_to(outside, 1e3F);
+  const auto deepest = std::max_element(depth.voxels.begin(), depth.voxels.end());
+  const double radius = core_share * static_cast<double>(*deepest);
+  const auto at = deepest - depth.voxels.begin();
+  const Index3 seed{at % chamber.grid.size[0], at / chamber.grid.size[0] % chamber.grid.size[1],
+                    at / (chamber.grid.size[0] * chamber.grid.size[1])};
+  return component_of(intersect(open(chamber, radius), chamber), seed);
+}
+
 }  // namespace
 
 Mask cut_artery(const Mask& artery, const Mask& start, double length_mm) {
@@ -73,20 +87,22 @@ Mask cut_artery(const Mask& artery, const Mask& start, double length_mm) {
 }
 
 Mask cut_veins(const Mask& chamber, double core_share, double stump_mm) {
-  Mask outside(chamber.grid);
-  for (std::size_t v = 0; v < outside.voxels.size(); ++v) outside.voxels[v] = chamber.voxels[v] == 0;
-  const auto depth = distance_to(outside, 1e3F);
-  const auto deepest = std::max_element(depth.voxels.begin(), depth.voxels.end());
-  const double radius = core_share * static_cast<double>(*deepest);
-  const auto at = deepest - depth.voxels.begin();
-  const Index3 seed{at % chamber.grid.size[0], at / chamber.grid.size[0] % chamber.grid.size[1],
-                    at / (chamber.grid.size[0] * chamber.grid.size[1])};
-  const Mask core = component_of(intersect(open(chamber, radius), chamber), seed);
-  const auto way = geodesic_distance(chamber, core, stump_mm);
+  const auto way = geodesic_distance(chamber, wide_part(chamber, core_share), stump_mm);
   Mask result(chamber.grid);
   for (std::size_t v = 0; v < result.voxels.size(); ++v)
     result.voxels[v] = static_cast<double>(way.voxels[v]) <= stump_mm;
   return result;
+}
+
+Mask cut_inferior_cava(const Mask& atrium, double core_share, double stump_mm) {
+  const Mask core = wide_part(atrium, core_share);
+  double lowest_mm = std::numeric_limits<double>::infinity();
+  for (std::size_t v = 0; v < core.voxels.size(); ++v)
+    if (core.voxels[v]) lowest_mm = std::min(lowest_mm, position(core.grid, v).z);
+  Mask result = atrium;
+  for (std::size_t v = 0; v < result.voxels.size(); ++v)
+    if (position(core.grid, v).z < lowest_mm - stump_mm) result.voxels[v] = 0;
+  return largest_component(result);
 }
 
 Mask drop_thin_branches(const Mask& region, double radius_mm) {

@@ -111,6 +111,34 @@ TEST_F(BadInput, LabelMapWithForeignValues) {
   message_of("mesh labels.nrrd out");
 }
 
+TEST_F(BadInput, LabelsFromElsewhere) {
+  write_recipe("[labels]\npreset = \"mmwhs\"\n");
+  expect_message("build --quiet recipe.toml --output out", {"labels.preset", "mm_whs"});
+  Grid grid;
+  grid.size = {24, 24, 24};
+  grid.spacing_mm = {4, 4, 4};
+  LabelVolume labels(grid);
+  labels(12, 12, 12) = 200;
+  adapters::write_volume((folder / "labels.nrrd").string(), labels);
+  write_recipe("");
+  expect_message("build --quiet recipe.toml --labels labels.nrrd --output out",
+                 {"labels.nrrd", "200", "labels.ignore"});
+  write_recipe("[labels]\ncomplete = []\n[labels.regions]\nlv_blood = [200]\n");
+  expect_message("build --quiet recipe.toml --labels labels.nrrd --output out", {"labels.nrrd", "lv_myocardium"});
+}
+
+TEST_F(BadInput, ReplacedStageOnAnotherGrid) {
+  Grid grid;
+  grid.size = {8, 8, 8};
+  adapters::write_volume((folder / "labels.nrrd").string(), LabelVolume(grid, 1));
+  write_recipe(
+      "[landmarks.seeds_mm]\nlv_blood = [48, 48, 48]\nrv_blood = [40, 40, 40]\nla_blood = [40, 40, 40]\n"
+      "ra_blood = [40, 40, 40]\n[replace]\nlabels = \"labels.nrrd\"\n");
+  expect_message("build --quiet recipe.toml --output out", {"labels.nrrd", "grid"});
+  fs::remove(folder / "labels.nrrd");
+  expect_message("build --quiet recipe.toml --output out", {"labels.nrrd", "does not exist", "replace.labels"});
+}
+
 TEST_F(BadInput, PhantomOutOfRange) {
   message_of("phantom out --size 2,2,2");
   message_of("phantom out --spacing 0,1,1");

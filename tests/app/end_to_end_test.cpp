@@ -1,10 +1,15 @@
 // The whole road on a small phantom: CT to bundle, against the truth; the same bits for any ranks, threads, locale.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "generator/adapters/itk_io.hpp"
+#include "model/labels.hpp"
 #include "support/data.hpp"
 #include "support/program.hpp"
 
@@ -120,6 +125,114 @@ TEST_F(EndToEnd, GivenLabelsReplaceTheSegmentation) {
       EXPECT_EQ(row["value"].get<double>(), 1.0) << row["scope"];
     }
   }
+}
+
+/// Builds of the walls alone, at coarse edges: what is tested is which stage made what.
+class StagesByHand : public EndToEnd {
+ protected:
+  static void SetUpTestSuite() {
+    folder() = testing::scratch_folder("stages_by_hand").string();
+    const auto phantom = testing::heartgen("phantom phantom --size 124,120,100 --spacing 1.8,1.8,1.8", folder());
+    ASSERT_EQ(phantom.exit_code, 0) << phantom.errors;
+  }
+  static constexpr const char* quick =
+      "[mesh]\nmeshes = [\"myocardium\"]\nheart_edge_mm = 4\n"
+      "[fibers]\ngrid_mm = 3\ndepth_grid_mm = 3\ndemons_iterations = [5, 3, 1]\n";
+  static void write_recipe(const std::string& name, const std::string& extra) {
+    std::ofstream(folder() + "/" + name) << "[input]\nct = \"phantom/ct.nii.gz\"\n"
+                                         << "landmarks = \"phantom/landmarks.json\"\n"
+                                         << quick << extra;
+  }
+  /// The errors of the build; the cache spares what an earlier one has made.
+  static std::string build(const std::string& arguments) {
+    fs::remove_all(folder() + "/by_hand");
+    const auto run = testing::heartgen("build --output by_hand " + arguments, folder());
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    return run.errors;
+  }
+  static LabelVolume labels(const std::string& path) { return adapters::read_labels(folder() + "/" + path); }
+  static double dice(const LabelVolume& a, const LabelVolume& b, Region region) {
+    std::int64_t both = 0, sum = 0;
+    for (std::size_t v = 0; v < a.voxels.size(); ++v) {
+      const bool in_a = a.voxels[v] == tag(region), in_b = b.voxels[v] == tag(region);
+      both += in_a && in_b;
+      sum += in_a + in_b;
+    }
+    return 2 * static_cast<double>(both) / static_cast<double>(sum);
+  }
+};
+
+TEST_F(StagesByHand, KeptFilesGivenBackChangeNothingAndCorrectedOnesAreUsed) {
+  write_recipe("keep.toml", "");
+  build("keep.toml --keep-stages stages");
+  const std::string first = content_id("by_hand");
+  std::string replace = "[replace]\n";
+  for (const char* stage : {"denoise", "chambers", "epicardium", "body"})
+    replace += fmt::format("{0} = \"stages/{0}.nii.gz\"\n", stage);
+  write_recipe("back.toml", replace + "segment = \"stages/segment.json\"\n");
+  EXPECT_NE(build("back.toml").find("from the given file"), std::string::npos);
+  EXPECT_EQ(content_id("by_hand"), first);
+
+  LabelVolume chambers = labels("stages/chambers.nii.gz");
+  std::replace(chambers.voxels.begin(), chambers.voxels.end(), tag(Region::papillary), tag(Region::lv_blood));
+  adapters::write_volume(folder() + "/corrected.nii.gz", chambers);
+  write_recipe("corrected.toml", "[replace]\nchambers = \"corrected.nii.gz\"\n");
+  build("corrected.toml");
+  EXPECT_NE(content_id("by_hand"), first);
+  const LabelVolume result = labels("by_hand/images/labels.nii.gz");
+  EXPECT_EQ(std::count(result.voxels.begin(), result.voxels.end(), tag(Region::papillary)), 0);
+  EXPECT_NE(testing::text_of(folder() + "/by_hand/recipe.toml").find("chambers = \"corrected.nii.gz\""),
+            std::string::npos);
+}
+
+TEST_F(StagesByHand, ChambersFromElsewhereGetTheirWallsFromTheCt) {
+  const LabelVolume truth = labels("phantom/truth/labels.nii.gz");
+  Volume<std::int16_t> mm_whs(truth.grid);
+  const std::map<Region, std::int16_t> values = {
+      {Region::lv_myocardium, 205}, {Region::la_blood, 420}, {Region::lv_blood, 500},        {Region::ra_blood, 550},
+      {Region::rv_blood, 600},      {Region::aorta, 820},    {Region::pulmonary_artery, 850}};
+  for (std::size_t v = 0; v < truth.voxels.size(); ++v)
+    if (const auto value = values.find(static_cast<Region>(truth.voxels[v])); value != values.end())
+      mm_whs.voxels[v] = value->second;
+  adapters::write_volume(folder() + "/mm_whs.nrrd", mm_whs);
+  write_recipe("mm_whs.toml", "[labels]\npreset = \"mm_whs\"\n");
+  build("mm_whs.toml --labels mm_whs.nrrd --no-cache");
+  const LabelVolume result = labels("by_hand/images/labels.nii.gz");
+  for (const auto& [region, value] : values) EXPECT_EQ(dice(result, truth, region), 1) << value;
+  EXPECT_GE(dice(result, truth, Region::rv_myocardium), 0.7);
+  EXPECT_GE(dice(result, truth, Region::lung), 0.95);
+  EXPECT_GE(dice(result, truth, Region::torso), 0.95);
+}
+
+TEST_F(StagesByHand, LabelsWithoutACt) {
+  std::ofstream(folder() + "/no_ct.toml") << quick;
+  build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");
+  EXPECT_EQ(labels("by_hand/images/labels.nii.gz").voxels, labels("phantom/truth/labels.nii.gz").voxels);
+}
+
+TEST_F(StagesByHand, TheTreeAloneOnASlice) {
+  const CtVolume ct = adapters::read_ct(folder() + "/phantom/ct.nii.gz");
+  CtVolume slice;
+  slice.grid = ct.grid;
+  slice.grid.size[2] = 1;
+  const auto area = static_cast<std::size_t>(slice.grid.voxel_count());
+  slice.voxels.assign(ct.voxels.begin() + static_cast<std::ptrdiff_t>(50 * area),
+                      ct.voxels.begin() + static_cast<std::ptrdiff_t>(51 * area));
+  adapters::write_volume(folder() + "/slice.nrrd", slice);
+  write_recipe("tree.toml", "");
+  const auto serial = testing::heartgen("segment tree.toml slice.nrrd leaves.nii.gz --json", folder());
+  ASSERT_EQ(serial.exit_code, 0) << serial.errors;
+  const Json result = Json::parse(serial.output);
+  ASSERT_EQ(result["steps"].size(), 3U);
+  EXPECT_EQ(result["leaves"].size(), 4U);  // air, fat, muscle, blood
+  EXPECT_LT(result["steps"][0]["c_below"].get<double>(), -500);
+  EXPECT_GT(result["steps"][2]["c_above"].get<double>(), result["steps"][2]["c_below"].get<double>() + 50);
+  const auto parallel = testing::heartgen(
+      "segment tree.toml slice.nrrd parallel.nii.gz", folder(),
+      "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 mpirun -n 2");
+  ASSERT_EQ(parallel.exit_code, 0) << parallel.errors;
+  EXPECT_EQ(adapters::read_image(folder() + "/leaves.nii.gz").voxels,
+            adapters::read_image(folder() + "/parallel.nii.gz").voxels);
 }
 
 }  // namespace

@@ -16,14 +16,18 @@
 #include "model/error.hpp"
 #include "support/comma_locale.hpp"
 #include "support/data.hpp"
+#include "support/files.hpp"
 #include "support/two_region_mesh.hpp"
 
 namespace heart::exporters {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::bytes_of;
+using testing::error_of;
 using testing::scratch_folder;
 using testing::two_region_mesh;
+using testing::write_bytes;
 
 Bundle sample_bundle() {
   Bundle bundle;
@@ -50,22 +54,6 @@ Bundle sample_bundle() {
   bundle.tools = {{"VTK", "9.1.0"}};
   bundle.logs["build.log"] = "took 3 s";
   return bundle;
-}
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void write_bytes(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
-
-std::string error_of(const std::function<void()>& run) {
-  try {
-    run();
-  } catch (const UserError& error) {
-    return error.message;
-  }
-  return "";
 }
 
 TEST(Bundle, ReadsBackWhatWasWritten) {
@@ -210,6 +198,15 @@ TEST(Bundle, RoCrateIsClosedAndListsTheFiles) {
   EXPECT_EQ(root.at("datePublished"), "2024-02-29");
   EXPECT_EQ(entities.at("ro-crate-metadata.json").at("about").at("@id"), "./");
   for (const auto& file : read_manifest(folder).files) EXPECT_TRUE(defined.count(file.path)) << file.path;
+}
+
+TEST(Bundle, WithoutADateNoneIsInvented) {
+  const auto folder = scratch_folder("bundle_undated") / "out";
+  Bundle bundle = sample_bundle();
+  bundle.date_published.clear();
+  write_bundle(bundle, folder);
+  EXPECT_EQ(bytes_of(folder / "ro-crate-metadata.json").find("datePublished"), std::string::npos);
+  EXPECT_EQ(bytes_of(folder / "CITATION.cff").find("date-released"), std::string::npos);
 }
 
 TEST(Bundle, CitationHasWhatTheFormatAsks) {

@@ -14,28 +14,17 @@
 #include "model/error.hpp"
 #include "support/comma_locale.hpp"
 #include "support/data.hpp"
+#include "support/files.hpp"
 #include "support/two_region_mesh.hpp"
 
 namespace heart::exporters {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::bytes_of;
+using testing::error_of;
 using testing::scratch_folder;
 using testing::two_region_mesh;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-std::string error_of(const std::function<void()>& run) {
-  try {
-    run();
-  } catch (const UserError& error) {
-    return error.message;
-  }
-  return "";
-}
 
 TEST(Export, UnknownFormatAndUnitNameTheKnownOnes) {
   const auto folder = scratch_folder("export_unknown");

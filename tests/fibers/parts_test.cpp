@@ -11,6 +11,8 @@
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/coordinates.hpp"
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/resample.hpp"
+#include "generator/atlas/trabeculae.hpp"
 #include "generator/fibers/frame.hpp"
 #include "generator/fibers/inpaint.hpp"
 #include "model/error.hpp"
@@ -113,6 +115,32 @@ TEST(WallCoordinates, DepthGoesOnLinearlyJustOutsideTheWall) {
     EXPECT_LT(inner->depth, 0.06);
     EXPECT_GT(outer->depth, 0.94);
   }
+}
+
+TEST(Trabeculae, ANarrowRidgeBecomesCavityAndTheWallUnderItStays) {
+  auto ventricles = shell();
+  auto& parts = ventricles.parts;
+  const auto smooth = parts;
+  int ridge = 0, left = 0, wall = 0, lost = 0;
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    const Vec3 p = atlas::voxel_center(parts.grid, static_cast<std::int64_t>(v)) - Vec3{30, 30, 30};
+    if (p.x > 0 && std::abs(p.y) < 3 && norm(p) > 11.5 && norm(p) < 14) parts.voxels[v] = tag(Part::lv_wall);
+  }
+  const auto ridged = parts;
+  atlas::give_trabeculae_to_cavity(parts, Part::lv_wall);
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    const bool is_left = is(parts.voxels[v], Part::lv_wall);
+    if (is(smooth.voxels[v], Part::lv_wall)) {
+      ++wall;
+      lost += !is_left;
+    } else if (is(ridged.voxels[v], Part::lv_wall)) {
+      ++ridge;
+      left += is_left;
+    }
+  }
+  EXPECT_GT(ridge, 150);
+  EXPECT_LT(left, 0.2 * ridge);
+  EXPECT_LT(lost, 0.03 * wall);
 }
 
 TEST(HelixAngle, ARightHandedHelixIsPositive) {

@@ -50,7 +50,9 @@ TEST(MeshLabels, BallHasItsVolumeAndOneClosedSurface) {
 
 TEST(MeshLabels, SurfaceIsSmoothNotVoxelStairs) {
   const auto labels = label_cube(24, 1.5, [](const Vec3& p) { return norm(p) < 13 ? Region::lv_blood : Region::none; });
-  const auto mesh = mesh::mesh_labels(labels, coarse());
+  auto settings = coarse();
+  settings.blood_edge_mm = 3;  // so that chords err less than the voxels
+  const auto mesh = mesh::mesh_labels(labels, settings);
   for (const auto& face : mesh.faces)
     for (const auto n : face) EXPECT_NEAR(norm(mesh.nodes_mm[static_cast<std::size_t>(n)]), 13, 0.6);
 }
@@ -148,6 +150,29 @@ TEST(MeshLabels, RefusesNothingAndNonsense) {
   EXPECT_THROW(mesh::mesh_labels(unknown, coarse()), UserError);
   auto settings = coarse();
   settings.heart_edge_mm = 0;
+  EXPECT_THROW(mesh::mesh_labels(label_cube(8, 2, [](const Vec3&) { return Region::torso; }), settings), UserError);
+}
+
+TEST(LatticeBackend, MeshesTheSmallHeartWithGoodAngles) {
+  const auto labels = label_cube(36, 1.5, small_heart);
+  auto settings = coarse();
+  settings.backend = "lattice";
+  mesh::LatticeReport steps;
+  const auto mesh = mesh::mesh_labels(labels, settings, &steps);
+  const auto report = check(mesh);
+  EXPECT_TRUE(all_passed(report)) << failed_rows(report);
+  EXPECT_GE(row_value(report, "mesh", "dihedral_min"), 25);
+  EXPECT_LE(row_value(report, "mesh", "dihedral_max"), 145);
+  EXPECT_GE(steps.seconds.size(), 3U);
+  for (const auto region : {Region::lv_myocardium, Region::rv_myocardium, Region::lv_blood, Region::rv_blood}) {
+    const double wanted = region_volume_mm3(labels, region);
+    EXPECT_NEAR(region_volume_mm3(mesh, region), wanted, 0.06 * wanted) << region_name(tag(region));
+  }
+}
+
+TEST(LatticeBackend, UnknownBackendIsRefused) {
+  auto settings = coarse();
+  settings.backend = "latice";
   EXPECT_THROW(mesh::mesh_labels(label_cube(8, 2, [](const Vec3&) { return Region::torso; }), settings), UserError);
 }
 

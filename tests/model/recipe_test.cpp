@@ -82,8 +82,34 @@ TEST(Recipe, WrittenRecipeReadsBackTheSame) {
   EXPECT_EQ(back.name, "a \"b\"");
 }
 
+TEST(Recipe, LabelsFromElsewhereTakeNumbersAndNames) {
+  const Recipe recipe = read_recipe(
+      recipe_file("[input]\nlabels = \"masks/\"\n[labels]\nignore = [7, \"spleen\"]\ncomplete = [\"walls\"]\n"
+                  "[labels.regions]\nlv_blood = [500, \"left ventricle\"]\n"));
+  EXPECT_EQ(recipe.labels.preset, "none");  // what the user maps is all there is
+  EXPECT_EQ(recipe.labels.ignore.keys, (std::vector<std::string>{"7", "spleen"}));
+  EXPECT_EQ(recipe.labels.regions.at("lv_blood").keys, (std::vector<std::string>{"500", "left ventricle"}));
+  const std::string text = write_recipe(recipe, true);
+  EXPECT_NE(text.find("labels = \"masks\""), std::string::npos);
+  const Recipe back = read_recipe(recipe_file(text));
+  EXPECT_EQ(recipe_section(back, "labels"), recipe_section(recipe, "labels"));
+  EXPECT_EQ(read_recipe(recipe_file("")).labels.preset, "heartgen");
+  EXPECT_EQ(read_recipe(recipe_file("[labels]\npreset = \"mm_whs\"\n[labels.regions]\naorta = [1]\n")).labels.preset,
+            "mm_whs");
+  EXPECT_NE(refusal("[labels.regions]\nlv_blod = [500]\n").remedy.find("lv_blood"), std::string::npos);
+  EXPECT_NE(refusal("[labels.regions]\nlv_blood = 500\n").problem.find("list of values or names"), std::string::npos);
+  EXPECT_NE(refusal("[replace]\nwalls = \"a\"\n").problem.find("replace.walls"), std::string::npos);
+}
+
+TEST(Recipe, ReplacedStagesAreRelativeToTheRecipeToo) {
+  const auto path = recipe_file("[replace]\nchambers = \"stages/chambers.nii.gz\"\n");
+  EXPECT_EQ(read_recipe(path).replace.chambers,
+            (std::filesystem::path(path).parent_path() / "stages/chambers.nii.gz").string());
+}
+
 TEST(Recipe, CopyForABundleHoldsNoFolders) {
-  const Recipe recipe = read_recipe(recipe_file("[input]\nct = \"/home/somebody/ct.nii.gz\"\n"));
+  const Recipe recipe = read_recipe(
+      recipe_file("[input]\nct = \"/home/somebody/ct.nii.gz\"\n[replace]\nbody = \"/home/somebody/body.nii.gz\"\n"));
   EXPECT_EQ(write_recipe(recipe, true).find("somebody"), std::string::npos);
 }
 
@@ -95,6 +121,13 @@ TEST(Landmarks, WrittenFileReadsBackTheSame) {
   const auto path = testing::scratch_folder("landmarks") / "landmarks.json";
   std::ofstream(path) << write_landmarks(landmarks);
   EXPECT_EQ(write_landmarks(read_landmarks(path.string())), write_landmarks(landmarks));
+}
+
+TEST(Landmarks, WhatTheCommandPrintsBesideThemIsNoMistake) {
+  EXPECT_TRUE(
+      parse_landmarks("{\"confidence\": 0.9, \"warnings\": [], \"volumes_ml\": {}, \"long_axis\": [0, 0, 1]}", "")
+          .seeds_mm.empty());
+  EXPECT_THROW(parse_landmarks("{\"confidense\": 0.9}", ""), UserError);
 }
 
 TEST(Landmarks, DamagedFilesAreRefused) {

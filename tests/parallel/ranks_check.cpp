@@ -2,8 +2,15 @@
 // rank must see the same errors.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "generator/contours/active_contours.hpp"
+#include "generator/contours/subjective_surface.hpp"
 #include "generator/parallel/comm.hpp"
 #include "generator/segment/chan_vese.hpp"
+#include "generator/segment/chan_vese_flow.hpp"
 #include "generator/segment/filters.hpp"
 #include "generator/segment/median.hpp"
 #include "generator/segment/minimal_cut.hpp"
@@ -94,15 +101,34 @@ TEST(Ranks, ScatterHaloAndGather) {
     }
 }
 
+/// Random, constant and heavily tied grey values.
+std::vector<Volume<float>> images_for_medians(Index3 size) {
+  const auto random = image_of(size);
+  auto tied = random;
+  for (auto& v : tied.voxels) v = std::round(v / 40);
+  return {random, tied, Volume<float>(random.grid, -3.5f)};
+}
+
 TEST(Ranks, MediansAreExact) {
-  for (const auto size : sizes) {
-    const auto volume = image_of(size);
-    const auto labels = volume_of<std::uint8_t>(volume.grid, [](double x, double, double) { return x > 1 ? 2 : 1; });
-    const auto distributed = segment::median(parallel::scatter(on_root(volume), world()),
-                                             parallel::scatter(on_root(labels), world()), 2, world());
-    EXPECT_EQ(distributed,
-              segment::median(parallel::scatter(volume, self()), parallel::scatter(labels, self()), 2, self()));
-  }
+  for (const auto size : sizes)
+    for (const auto& volume : images_for_medians(size)) {
+      const auto labels = volume_of<std::uint8_t>(volume.grid, [](double x, double, double) { return x > 1 ? 2 : 1; });
+      const auto distributed = segment::median(parallel::scatter(on_root(volume), world()),
+                                               parallel::scatter(on_root(labels), world()), 2, world());
+      std::vector<float> sorted;
+      for (std::size_t i = 0; i < volume.voxels.size(); ++i)
+        if (labels.voxels[i] == 2) sorted.push_back(volume.voxels[i]);
+      std::sort(sorted.begin(), sorted.end());
+      EXPECT_EQ(distributed, sorted[(sorted.size() - 1) / 2]);
+    }
+}
+
+TEST(Ranks, MediansRefuseNaNEverywhere) {
+  auto volume = image_of(sizes[0]);
+  volume.voxels.back() = std::numeric_limits<float>::quiet_NaN();
+  const auto image = parallel::scatter(on_root(volume), world());
+  const auto all = parallel::scatter(on_root(Mask(volume.grid, 1)), world());
+  EXPECT_THROW(segment::median(image, all, 1, world()), UserError);
 }
 
 TEST(Ranks, FiltersHaveTheSameBits) {
@@ -110,7 +136,7 @@ TEST(Ranks, FiltersHaveTheSameBits) {
     for (const auto& name : segment::filter_names()) {
       SCOPED_TRACE(name);
       std::map<std::string, double> parameters;
-      if (name != "sobolev") parameters["iterations"] = 9;
+      if (name != "sobolev" && name != "redistance") parameters["iterations"] = 9;
       const auto volume = image_of(size);
       const auto distributed = segment::apply_filter(name, on_root(volume), parameters, world());
       const auto serial = segment::apply_filter(name, volume, parameters, self());
@@ -144,6 +170,25 @@ TEST(Ranks, ChanVeseHasTheSameBits) {
                UserError);
 }
 
+TEST(Ranks, ChanVeseFlowHasTheSameBits) {
+  for (const auto size : sizes)
+    for (const auto norm : {segment::Norm::l1, segment::Norm::l2}) {
+      const auto volume = image_of(size);
+      const auto domain =
+          volume_of<std::uint8_t>(volume.grid, [](double x, double y, double) { return x + y < 4 ? 1 : 0; });
+      const segment::ChanVeseFlowSettings settings{.norm = norm, .mu = 0.6, .max_iterations = 60};
+      const auto found = segment::chan_vese_flow(parallel::scatter(on_root(volume), world()),
+                                                 parallel::scatter(on_root(domain), world()), settings, world());
+      const auto serial = segment::chan_vese_flow(parallel::scatter(volume, self()), parallel::scatter(domain, self()),
+                                                  settings, self());
+      const auto phi = parallel::gather(found.phi, world());
+      EXPECT_EQ(phi.voxels, on_root(parallel::gather(serial.phi, self())).voxels);
+      EXPECT_EQ(found.energy, serial.energy);
+      EXPECT_EQ(found.c_above, serial.c_above);
+      EXPECT_EQ(found.iterations, serial.iterations);
+    }
+}
+
 TEST(Ranks, MinimalCutHasTheSameBits) {
   for (const auto size : sizes) {
     const auto volume = image_of(size);
@@ -160,6 +205,28 @@ TEST(Ranks, MinimalCutHasTheSameBits) {
     EXPECT_EQ(distributed.energy, serial.energy);
     EXPECT_EQ(distributed.iterations, 45);
   }
+}
+
+TEST(Ranks, ContoursHaveTheSameBits) {
+  for (const auto size : sizes) {
+    const auto volume = image_of(size);
+    const auto& grid = volume.grid;
+    const std::vector<Vec3> seeds = {lps_from_index(grid, {6, 5, size[2] > 5 ? 6.0 : 0.0})};
+    const auto start = contours::balls(grid, seeds, 2);
+    for (const auto model : {contours::ContourModel::geometric, contours::ContourModel::geodesic}) {
+      const contours::ContourSettings settings{model, 1, 1, 0.5, 45};
+      const auto distributed = contours::evolve_contour(on_root(volume), on_root(start), {0.8, 20}, settings, world());
+      const auto serial = contours::evolve_contour(volume, start, {0.8, 20}, settings, self());
+      EXPECT_EQ(distributed.level_set.voxels, on_root(serial.level_set).voxels);
+      EXPECT_EQ(distributed.iterations, serial.iterations);
+    }
+    const auto distributed = contours::subjective_surface(on_root(volume), seeds, {0.8, 20}, {70, 0}, world());
+    const auto serial = contours::subjective_surface(volume, seeds, {0.8, 20}, {70, 0}, self());
+    EXPECT_EQ(distributed.surface.voxels, on_root(serial.surface).voxels);
+    EXPECT_EQ(distributed.plateau, serial.plateau);
+  }
+  EXPECT_THROW(contours::evolve_contour(on_root(image_of(sizes[0])), {}, {}, {}, world()), UserError);
+  EXPECT_THROW(contours::subjective_surface(on_root(image_of(sizes[0])), {}, {}, {}, world()), UserError);
 }
 
 }  // namespace

@@ -77,6 +77,37 @@ double overlap(const Mask& mask, const LabelVolume& truth, Region region) {
   return 2.0 * static_cast<double>(both) / static_cast<double>(sum);
 }
 
+/// Replaces the chest's tissue within `radius_mm` of a vertical line by `grey_hu`.
+void fill_column(ToyChest& chest, double x, double y, double radius_mm, std::int16_t grey_hu) {
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < chest.ct.grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < chest.ct.grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < chest.ct.grid.size[0]; ++i, ++v) {
+        const Vec3 p =
+            lps_from_index(chest.ct.grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        if (std::hypot(p.x - x, p.y - y) < radius_mm && chest.truth.voxels[v] == tag(Region::torso))
+          chest.ct.voxels[v] = grey_hu;
+      }
+}
+
+TEST(Body, ContrastBesideTheSpineIsNoBone) {
+  for (const std::int16_t grey : {std::int16_t{200}, std::int16_t{330}, std::int16_t{2500}}) {
+    ToyChest chest = toy_chest();
+    fill_column(chest, 0, 14, 9, grey);     // a vessel in front of the spine, 3 mm from it
+    fill_column(chest, -20, 38, 11, grey);  // an organ that touches it
+    const auto body = segment_body(chest.ct, chest.tree, chest.chambers, {}, {});
+    EXPECT_GT(overlap(body.bone, chest.truth, Region::bone), 0.85) << grey;
+    std::int64_t wrong = 0, contrast = 0;
+    for (std::size_t v = 0; v < body.bone.voxels.size(); ++v) {
+      const bool here = chest.truth.voxels[v] == tag(Region::torso) && chest.ct.voxels[v] == grey;
+      contrast += here;
+      wrong += here && body.bone.voxels[v];
+    }
+    EXPECT_GT(contrast, 5000);
+    EXPECT_LT(6 * wrong, contrast) << grey;  // what touches the bone with its own grey value may stay with it
+  }
+}
+
 TEST(Body, SkinLungsAndBoneWithoutTheTable) {
   const ToyChest chest = toy_chest();
   const auto body = segment_body(chest.ct, chest.tree, chest.chambers, {}, {});
@@ -174,7 +205,7 @@ TEST(FuseLabels, PrecedenceAndIslands) {
   for (std::int64_t i = 20; i < 28; ++i) body.lung(i, 10, 10) = trachea(i, 10, 10) = body.bone(i, 10, 10) = 1;
   walls(18, 2, 2) = tag(Region::lv_myocardium);  // an island in the torso
   chambers(6, 10, 10) = tag(Region::lv_blood);   // an island in the wall
-  const auto labels = fuse_labels(chambers, walls, body, trachea);
+  const auto labels = fuse_labels(chambers, walls, label_surroundings(body, trachea));
   EXPECT_EQ(labels(10, 10, 10), tag(Region::lv_blood));
   EXPECT_EQ(labels(6, 7, 7), tag(Region::lv_myocardium));
   EXPECT_EQ(labels(22, 10, 10), tag(Region::trachea));

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "generator/segment/components.hpp"
-#include "generator/segment/epicardium.hpp"
 #include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
 #include "segment/toy_heart.hpp"
@@ -39,6 +38,27 @@ TEST(Chambers, AWeaklyEnhancedRightHeartIsFoundToo) {
   const auto labels = chambers_of(heart);
   for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood})
     EXPECT_GT(dice(labels, heart.truth, region), 0.93) << region_name(tag(region));
+}
+
+/// Right blood brighter than muscle (110 HU), darker, and as bright: its walls have usual thickness, as the toy's do.
+class FaintRightHeart : public ::testing::TestWithParam<double> {};
+
+TEST_P(FaintRightHeart, IsFoundBesideTheLeftOne) {
+  const ToyHeart heart = toy_heart({.left_hu = 420, .right_hu = GetParam(), .noise_hu = 15});
+  const auto labels = chambers_of(heart);
+  for (const Region region : {Region::lv_blood, Region::la_blood})
+    EXPECT_GT(dice(labels, heart.truth, region), 0.95) << region_name(tag(region));
+  for (const Region region : {Region::rv_blood, Region::ra_blood})
+    EXPECT_GT(dice(labels, heart.truth, region), 0.9) << region_name(tag(region));
+}
+
+INSTANTIATE_TEST_SUITE_P(Contrasts, FaintRightHeart, ::testing::Values(70, 110, 150));
+
+TEST(Chambers, TheWholeAortaIsKeptWhereItsLengthIsZero) {
+  const ToyHeart heart = toy_heart();
+  ChamberSettings settings;
+  settings.vessel_length_mm = 0;
+  EXPECT_GT(dice(chambers_of(heart, settings), heart.truth, Region::aorta), 0.9);
 }
 
 TEST(Chambers, TheAortaIsCutAtItsLength) {
@@ -107,49 +127,6 @@ TEST(Chambers, WrongSeedsAreNamed) {
   heart.landmarks.seeds_mm["rv_blood"] = {-40, -25, -30};  // in fat
   EXPECT_NE(error_of(heart).find("rv_blood"), std::string::npos);
   EXPECT_NE(error_of(heart).find("HU"), std::string::npos);
-}
-
-TEST(Epicardium, WallsAreFoundAndLeaveBloodAlone) {
-  const ToyHeart heart = toy_heart();
-  const auto chambers = chambers_of(heart);
-  const auto result = epicardium(heart.ct, chambers, heart.tree, heart.landmarks, {}, parallel::self());
-  EXPECT_GT(dice(result.walls, heart.truth, Region::lv_myocardium), 0.93);
-  EXPECT_GT(dice(result.walls, heart.truth, Region::rv_myocardium), 0.75);
-  EXPECT_GT(dice(result.walls, heart.truth, Region::la_wall), 0.6);
-  EXPECT_GT(dice(result.walls, heart.truth, Region::ra_wall), 0.6);
-  EXPECT_LE(result.ventricle_duality_gap, 1e-3);
-  for (std::size_t v = 0; v < chambers.voxels.size(); ++v)
-    if (chambers.voxels[v]) {
-      EXPECT_EQ(result.walls.voxels[v], 0);
-    }
-}
-
-/// Blood of the four chambers touches nothing but walls, other blood and papillary muscle.
-TEST(Epicardium, NoBloodIsWithoutWall) {
-  const ToyHeart heart = toy_heart();
-  const auto chambers = chambers_of(heart);
-  const auto walls = epicardium(heart.ct, chambers, heart.tree, heart.landmarks, {}, parallel::self()).walls;
-  std::int64_t bare = 0, faces = 0;
-  const auto& size = chambers.grid.size;
-  for (std::int64_t k = 1; k + 1 < size[2]; ++k)
-    for (std::int64_t j = 1; j + 1 < size[1]; ++j)
-      for (std::int64_t i = 1; i + 1 < size[0]; ++i) {
-        const auto region = static_cast<Region>(chambers(i, j, k));
-        if (!is_blood(region) || region == Region::aorta) continue;
-        for (const auto& [x, y, z] :
-             {Index3{i + 1, j, k}, {i - 1, j, k}, {i, j + 1, k}, {i, j - 1, k}, {i, j, k + 1}, {i, j, k - 1}}) {
-          ++faces;
-          bare += chambers(x, y, z) == 0 && walls(x, y, z) == 0;
-        }
-      }
-  EXPECT_GT(faces, 0);
-  EXPECT_LE(bare, 40);  // single voxels at the aorta's root, where the vessel's own wall begins
-}
-
-TEST(Epicardium, EmptyChambersAreAUserError) {
-  const ToyHeart heart = toy_heart();
-  EXPECT_THROW(epicardium(heart.ct, LabelVolume(heart.ct.grid), heart.tree, heart.landmarks, {}, parallel::self()),
-               UserError);
 }
 
 }  // namespace

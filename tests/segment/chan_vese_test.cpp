@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
+#include <random>
 
+#include "generator/segment/chan_vese_flow.hpp"
 #include "model/error.hpp"
 #include "segment/pde_images.hpp"
 
@@ -139,6 +140,54 @@ TEST(ChanVese, OneGreyValueHasNoContour) {
   const auto found = chan_vese(Volume<float>(grid, 40), Mask(grid, 1), {}, alone);
   EXPECT_EQ(found.c_below, found.c_above);
   for (const auto v : found.above.voxels) EXPECT_EQ(v, 0);
+}
+
+/// Balls and waves of random places, sizes and noise.
+Volume<float> random_image(const Grid& grid, std::mt19937& random) {
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 4294967295.0;
+  };
+  const double x0 = uniform(-6, 6), y0 = uniform(-5, 5), r = uniform(2, 8), wave = uniform(0.7, 1.5);
+  auto image = volume_of(grid, [&](double x, double y, double z) {
+    return length(x - x0, y - y0, z) < r || length(x + 8, y - 3, z) < 3 || std::sin(wave * x) * std::cos(y) > 0.9 ? 1
+                                                                                                                  : 0;
+  });
+  const double deviation = uniform(0.1, 1.1);
+  for (auto& v : image.voxels) v += static_cast<float>(deviation * (uniform(-1, 1) + uniform(-1, 1)));
+  return image;
+}
+
+/// At the grey values where the thesis's flow ends, and at those of the convex form.
+TEST(ChanVese, EnergyIsNeverAboveThatOfTheReferenceFlow) {
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 3; ++trial)
+    for (const Index3 size : {Index3{36, 30, 1}, Index3{14, 13, 11}})
+      for (const Norm norm : {Norm::l1, Norm::l2})
+        for (const double mu : {0.1, 0.4, 1.0, 2.5}) {
+          const Grid grid = grid_of(size, {0.8, 0.8, trial % 2 ? 0.8 : 1.4});
+          const auto image = slab_of(random_image(grid, random));
+          const auto domain = slab_of(Mask(grid, 1));
+          const ChanVeseSettings settings{.norm = norm, .mu = mu, .max_iterations = 2000};
+          ChanVeseFlowSettings reference{.norm = norm, .mu = mu};
+          const auto flow = chan_vese_flow(image, domain, reference, alone);
+          if (!(flow.c_below < flow.c_above)) continue;
+          const auto there = chan_vese_at(image, domain, flow.c_below, flow.c_above, settings, alone);
+          EXPECT_LE(there.energy, flow.energy * (1 + 1e-9)) << mu << " " << size[2];
+          const auto ours = chan_vese(image, domain, settings, alone);
+          reference.fixed_values = true;
+          const auto flow_here = chan_vese_flow(image, domain, flow.phi, ours.c_below, ours.c_above, reference, alone);
+          const auto here = chan_vese_at(image, domain, ours.c_below, ours.c_above, settings, alone);
+          EXPECT_LE(here.energy, flow_here.energy * (1 + 1e-9)) << mu << " " << size[2];
+        }
+}
+
+TEST(ChanVese, KeepsTheGreyValuesItIsGiven) {
+  const Grid grid = grid_of({20, 20, 5});
+  const auto image = slab_of(noisy(two_discs(grid, 0, 100), 20));
+  const auto found = chan_vese_at(image, slab_of(Mask(grid, 1)), 10, 70, {.mu = 0.3}, alone);
+  EXPECT_EQ(found.c_below, 10);
+  EXPECT_EQ(found.c_above, 70);
+  EXPECT_THROW(chan_vese_at(image, slab_of(Mask(grid, 1)), 70, 10, {}, alone), UserError);
 }
 
 TEST(ChanVese, RefusesBadInput) {

@@ -45,6 +45,19 @@ TEST(Distance, EqualsTheSlowSearch) {
   }
 }
 
+TEST(Distance, OfTheNearestLabelIsThatOfItsMask) {
+  LabelVolume labels = scattered(7, 60);
+  std::uint8_t next = 1;
+  for (auto& label : labels.voxels)
+    if (label) label = next = static_cast<std::uint8_t>(next % 5 + 1);
+  const NearestLabel nearest = nearest_label_and_distance(labels);
+  EXPECT_EQ(nearest.label.voxels, nearest_label(labels, 1e9).voxels);
+  EXPECT_EQ(nearest.distance_mm.voxels, distance_to(labels).voxels);
+  const NearestLabel none = nearest_label_and_distance(LabelVolume(labels.grid));
+  EXPECT_EQ(none.label.voxels, LabelVolume(labels.grid).voxels);
+  for (const float distance : none.distance_mm.voxels) EXPECT_EQ(distance, 1e6F);
+}
+
 TEST(Distance, EmptyMaskIsFarEverywhere) {
   Mask mask = scattered(1, 2);
   std::fill(mask.voxels.begin(), mask.voxels.end(), std::uint8_t{0});

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <random>
+
+#include "model/error.hpp"
 
 namespace heart::segment {
 namespace {
@@ -67,6 +70,18 @@ TEST(Median, CountsOnlyTheLabelledVoxels) {
   EXPECT_EQ(median(values, labels, 1, parallel::self()), 3.0f);
   EXPECT_EQ(median(values, labels, 2, parallel::self()), 100.0f);
   EXPECT_EQ(median(values, labels, 7, parallel::self()), std::nullopt);
+}
+
+TEST(Median, RefusesWhatIsNotFinite) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::quiet_NaN(),
+                          std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
+    const auto values = slab_of(std::vector<float>{5, bad, 1});
+    EXPECT_THROW(median(values, slab_of(std::vector<std::uint8_t>{1, 1, 1}), 1, parallel::self()), UserError);
+    EXPECT_EQ(median(values, slab_of(std::vector<std::uint8_t>{1, 0, 1}), 1, parallel::self()), 1.0f);
+  }
+  const float largest = std::numeric_limits<float>::max();
+  expect_median(std::vector<float>{largest, -largest, largest});
+  expect_median(std::vector<float>{std::numeric_limits<float>::denorm_min(), -largest, 0});
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+// The measured speeds of the image stages, next to the limits of the machine they run on. Nothing here is a test:
+// figures depend on the machine and on what else it does.
+#pragma once
+#include <functional>
+
+#include "benchmarks/measure.hpp"
+#include "generator/parallel/comm.hpp"
+#include "model/grid.hpp"
+
+namespace heart::benchmarks {
+
+struct Settings {
+  Index3 size{512, 512, 199};  ///< of the phantom that `segment` and `epicardium` work on
+  Vec3 spacing_mm{0.5, 0.5, 1.2};
+  int repeats = 7;  ///< of the short ones, of which the median counts
+  int threads = 2;  ///< most threads that are used
+};
+
+struct Benchmark {
+  std::string name;
+  std::string help;
+  Table (*run)(const Settings& settings, const parallel::Comm& comm);  ///< @collective; every rank gets the table
+};
+
+/// All of them, in the order in which they run.
+const std::vector<Benchmark>& all();
+
+// Each @collective; `sweep`, `segment` and `epicardium` measure this process's share of the work with the threads of
+// the settings, `ranks` compares all ranks with the root alone, at one thread each.
+Table bench_sweep(const Settings& settings, const parallel::Comm& comm);
+Table bench_ranks(const Settings& settings, const parallel::Comm& comm);
+Table bench_segment(const Settings& settings, const parallel::Comm& comm);
+Table bench_epicardium(const Settings& settings, const parallel::Comm& comm);
+
+}  // namespace heart::benchmarks

@@ -1,0 +1,94 @@
+#include "benchmarks/measure.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <fstream>
+
+#include "generator/parallel/threads.hpp"
+
+namespace heart::benchmarks {
+namespace {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+/// A field of /proc/self/status, in bytes.
+double status_bytes(const std::string& field) {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word)
+    if (word == field + ":") {
+      double kib = 0;
+      status >> kib;
+      return kib * 1024;
+    }
+  return 0;
+}
+
+double held_at_start = 0;
+bool processor_time = false;
+
+double now() {
+  if (processor_time)
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC / static_cast<double>(parallel::thread_count());
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+void count_processor_time(bool instead) { processor_time = instead; }
+
+double seconds(const std::function<void()>& work) {
+  const double begin = now();
+  work();
+  return now() - begin;
+}
+
+double median_seconds(int repeats, const std::function<void()>& work) {
+  work();
+  std::vector<double> times;
+  for (int n = 0; n < repeats; ++n) times.push_back(seconds(work));
+  return median(times);
+}
+
+double median_seconds(int repeats, const parallel::Comm& comm, const std::function<void()>& work) {
+  work();
+  std::vector<double> times;
+  for (int n = 0; n < repeats; ++n) {
+    parallel::barrier(comm);
+    times.push_back(parallel::max(comm, seconds(work)));
+  }
+  return median(times);
+}
+
+double triad_bandwidth() {
+  constexpr std::int64_t count = 40'000'000;
+  std::vector<float> a(count), b(count), c(count);
+  parallel::parallel_for(0, count, [&](std::int64_t begin, std::int64_t end) {  // pages belong to who touches them
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      a[i] = 0;
+      b[i] = static_cast<float>(i % 7);
+      c[i] = static_cast<float>(i % 5);
+    }
+  });
+  const auto triad = [&] {
+    parallel::parallel_for(0, count, [&](std::int64_t begin, std::int64_t end) {
+      float* to = a.data();
+      const float *from = b.data(), *factor = c.data();
+      for (auto i = begin; i < end; ++i) to[i] = from[i] + 3.0f * factor[i];
+    });
+  };
+  return 12.0 * static_cast<double>(count) / median_seconds(7, triad);
+}
+
+void start_peak() {
+  std::ofstream("/proc/self/clear_refs") << "5";
+  held_at_start = status_bytes("VmRSS");
+}
+
+double peak_bytes() { return std::max(0.0, status_bytes("VmHWM") - held_at_start); }
+
+}  // namespace heart::benchmarks

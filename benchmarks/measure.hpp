@@ -1,0 +1,45 @@
+// What the benchmarks measure with: times, memory, the machine's own limits.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "generator/parallel/comm.hpp"
+
+namespace heart::benchmarks {
+
+/// One line of the table.
+struct Row {
+  std::string bench;  ///< "sweep"
+  std::string what;   ///< "Chan-Vese, semi-explicit, 2 threads"
+  double value = 0;
+  std::string unit;  ///< "G voxels/s"
+  std::string note;  ///< what it is to be compared with; may be empty
+};
+
+using Table = std::vector<Row>;
+
+/// From now on, seconds are processor time divided by the number of threads instead of wall-clock time: what a machine
+/// that does other things meanwhile would take, nearly, if it did not. Waiting for other ranks counts as work.
+void count_processor_time(bool instead);
+
+/// Seconds of work().
+double seconds(const std::function<void()>& work);
+
+/// Median of `repeats` runs, after one that is not counted.
+double median_seconds(int repeats, const std::function<void()>& work);
+
+/// The same with all ranks starting together and the slowest counting. @collective
+double median_seconds(int repeats, const parallel::Comm& comm, const std::function<void()>& work);
+
+/// Bytes per second of a[i] = b[i] + s c[i] on arrays much larger than the caches, 12 bytes counted for each element
+/// as STREAM does (McCalpin 1995), with the threads that parallel_for uses.
+double triad_bandwidth();
+
+/// Largest memory that the process held since the last call of start_peak(), above what it held then, in bytes.
+/// 0 where the system cannot tell.
+void start_peak();
+double peak_bytes();
+
+}  // namespace heart::benchmarks

@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include "benchmarks/benchmarks.hpp"
+#include "benchmarks/test_images.hpp"
+#include "generator/parallel/slab.hpp"
+#include "generator/segment/chan_vese.hpp"
+#include "generator/segment/chan_vese_flow.hpp"
+#include "generator/segment/diffusion.hpp"
+#include "generator/segment/minimal_cut.hpp"
+#include "generator/segment/total_variation.hpp"
+
+namespace heart::benchmarks {
+namespace {
+
+using namespace heart::segment;
+using parallel::Comm;
+using parallel::Slab;
+
+/// What every stage works on: this rank's slabs.
+struct Slabs {
+  Slab<float> image, weight;
+  Slab<std::uint8_t> domain, band;
+};
+
+Slabs make_slabs(const Volume<float>& image_on_root, const Comm& comm) {
+  Volume<float> weight_on_root;
+  Mask domain_on_root, band_on_root;
+  if (comm.is_root()) {
+    const Grid& grid = image_on_root.grid;
+    weight_on_root = image_on_root;
+    for (auto& w : weight_on_root.voxels) w = 1 / (1 + w * w / 1e4f);
+    domain_on_root = Mask(grid, 1);
+    band_on_root = Mask(grid, cut_free);  // free but for a column in the middle and the border along x
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+      for (std::int64_t j = 0; j < grid.size[1]; ++j) {
+        band_on_root(0, j, k) = band_on_root(grid.size[0] - 1, j, k) = cut_outer;
+        band_on_root(grid.size[0] / 2, j, k) = cut_inner;
+      }
+  }
+  return {parallel::scatter(image_on_root, comm), parallel::scatter(weight_on_root, comm),
+          parallel::scatter(domain_on_root, comm), parallel::scatter(band_on_root, comm)};
+}
+
+struct Stage {
+  const char* name;
+  void (*run)(const Slabs& s, const Comm& comm);
+};
+
+constexpr Stage stages[] = {
+    {"Chan-Vese, convex",
+     [](const Slabs& s, const Comm& comm) { chan_vese(s.image, s.domain, {.mu = 0.5, .max_iterations = 20}, comm); }},
+    {"Chan-Vese, semi-explicit",
+     [](const Slabs& s, const Comm& comm) {
+       auto phi = s.image;
+       sweep_flow(s.image, s.domain, phi, 50, 300, {}, 10, comm);
+     }},
+    {"Perona-Malik",
+     [](const Slabs& s, const Comm& comm) {
+       auto image = s.image;
+       perona_malik(image, {.iterations = 10}, comm);
+     }},
+    {"minimal cut",
+     [](const Slabs& s, const Comm& comm) { minimal_cut(s.weight, s.band, {.max_iterations = 20}, comm); }},
+    {"total variation",
+     [](const Slabs& s, const Comm& comm) {
+       auto image = s.image;
+       total_variation_l2(image, {.iterations = 10}, comm);
+     }},
+};
+
+}  // namespace
+
+Table bench_ranks(const Settings& settings, const Comm& comm) {
+  Table table;
+  if (comm.size == 1) {
+    table.push_back({"ranks", "ranks", 1, "", "start it as: mpirun -n 2 heartgen bench ranks"});
+    return table;
+  }
+  parallel::set_thread_count(1);
+  const auto image = comm.is_root() ? test_image(grid_of({192, 192, 128})) : Volume<float>{};
+  const Slabs shared = make_slabs(image, comm);
+  const Slabs whole = comm.is_root() ? make_slabs(image, parallel::self()) : Slabs{};
+  for (const auto& stage : stages) {
+    const double together = median_seconds(settings.repeats, comm, [&] { stage.run(shared, comm); });
+    double one = 0;
+    if (comm.is_root()) one = median_seconds(settings.repeats, [&] { stage.run(whole, parallel::self()); });
+    parallel::broadcast(comm, one);
+    table.push_back({"ranks", fmt::format("{}, {} ranks against one", stage.name, comm.size), one / together, "times",
+                     fmt::format("{:.2f} s and {:.2f} s; 1.9 at 2 ranks is the goal", together, one)});
+  }
+  return table;
+}
+
+}  // namespace heart::benchmarks

@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "benchmarks/benchmarks.hpp"
+#include "benchmarks/test_images.hpp"
+#include "generator/adapters/itk_chan_vese.hpp"
+#include "generator/parallel/slab.hpp"
+#include "generator/parallel/threads.hpp"
+#include "generator/segment/chan_vese_flow.hpp"
+#include "generator/segment/diffusion.hpp"
+#include "generator/segment/simd.hpp"
+#include "generator/segment/total_variation.hpp"
+
+namespace heart::benchmarks {
+namespace {
+
+using namespace heart::segment;
+using parallel::Comm;
+using parallel::Slab;
+
+/// A sweep over a whole image: what it does, and the bytes it must move for each voxel (4 for each float read or
+/// written once, as the triad counts them).
+struct Sweep {
+  std::string name;
+  double bytes;
+  std::function<void(int sweeps)> run;
+};
+
+/// Seconds of one sweep: of `many` minus that of `few`, so that what is done once does not count.
+double sweep_seconds(int repeats, const Sweep& sweep) {
+  constexpr int few = 1, many = 6;
+  const double start = median_seconds(repeats, [&] { sweep.run(few); });
+  return (median_seconds(repeats, [&] { sweep.run(many); }) - start) / (many - few);
+}
+
+std::vector<Sweep> sweeps_of(const Slab<float>& image, const Slab<std::uint8_t>& domain, const Comm& alone) {
+  static constexpr ChanVeseFlowSettings flow{.mu = 0.1};
+  return {{"Chan-Vese, semi-explicit (3.14)", 12,  // reads φ and the image, writes φ
+           [&](int n) {
+             auto phi = image;
+             sweep_flow(image, domain, phi, 20, 300, flow, n, alone);
+           }},
+          {"total variation, primal-dual", 44,  // reads and writes u, 2 u - u_old, three dual fields; reads the image
+           [&](int n) {
+             auto u = image;
+             total_variation_l2(u, {.iterations = n}, alone);
+           }},
+          {"Perona-Malik, explicit", 8,
+           [&](int n) {
+             auto u = image;
+             perona_malik(u, {.iterations = n}, alone);
+           }},
+          {"heat equation, explicit", 8, [&](int n) {
+             auto u = image;
+             heat(u, {.iterations = n}, alone);
+           }}};
+}
+
+void measure(Table& table, const Settings& settings, const std::vector<Sweep>& sweeps, double voxels) {
+  const double bandwidth = triad_bandwidth();
+  const int threads = parallel::thread_count();
+  const auto with_threads = fmt::format("{} thread{}", threads, threads > 1 ? "s" : "");
+  table.push_back({"sweep", "memory bandwidth (triad), " + with_threads, bandwidth / 1e9, "GB/s", ""});
+  for (const auto& sweep : sweeps) {
+    const double rate = voxels / sweep_seconds(settings.repeats, sweep);
+    table.push_back({"sweep", fmt::format("{}, {}", sweep.name, with_threads), rate / 1e9, "G voxels/s",
+                     fmt::format("{:.0f} % of the {:.2f} that the bandwidth allows at {} bytes a voxel",
+                                 100 * rate * sweep.bytes / bandwidth, bandwidth / sweep.bytes / 1e9, sweep.bytes)});
+  }
+}
+
+void measure_levels(Table& table, const Settings& settings, const Sweep& sweep, double voxels) {
+  const Simd best = simd_level();
+  for (const Simd level : {Simd::plain, Simd::avx2, Simd::avx512}) {
+    if (set_simd_level(level) != level) break;
+    table.push_back({"sweep", fmt::format("{}, {} code", sweep.name, name_of(level)),
+                     voxels / sweep_seconds(settings.repeats, sweep) / 1e9, "G voxels/s", "the same bits"});
+  }
+  set_simd_level(best);
+}
+
+void measure_memory(Table& table, const Sweep& sweep, double voxels) {
+  start_peak();
+  sweep.run(1);
+  table.push_back({"sweep", "memory of the semi-explicit sweep besides image and domain", peak_bytes() / voxels,
+                   "bytes/voxel", "φ twice; the image has 4, the domain 1"});
+}
+
+void measure_peer(Table& table) {
+  const Grid grid = grid_of({96, 96, 64});
+  const auto image = test_image(grid);
+  constexpr int iterations = 8;
+  const double one = seconds([&] { adapters::itk_dense_chan_vese(image, 1); });
+  const double more = seconds([&] { adapters::itk_dense_chan_vese(image, 1 + iterations); });
+  const double rate = iterations * static_cast<double>(grid.voxel_count()) / std::max(more - one, 1e-9);
+  table.push_back({"sweep", "peer: ITK dense Chan-Vese, 96 x 96 x 64", rate / 1e9, "G voxels/s", "its own threads"});
+}
+
+}  // namespace
+
+Table bench_sweep(const Settings& settings, const Comm& comm) {
+  Table table;
+  if (!comm.is_root()) return table;  // one process has the machine to itself
+  const auto alone = parallel::self();
+  const Grid grid = grid_of({512, 512, 100});
+  const auto voxels = static_cast<double>(grid.voxel_count());
+  const auto image = parallel::scatter(test_image(grid), alone);
+  const auto domain = parallel::scatter(Mask(grid, 1), alone);
+  const auto sweeps = sweeps_of(image, domain, alone);
+  for (int threads = 1; threads <= settings.threads; threads *= 2) {
+    parallel::set_thread_count(threads);
+    measure(table, settings, sweeps, voxels);
+  }
+  measure_levels(table, settings, sweeps.front(), voxels);
+  measure_memory(table, sweeps.front(), voxels);
+  measure_peer(table);
+  return table;
+}
+
+}  // namespace heart::benchmarks

@@ -1,0 +1,10 @@
+// ITK's dense level set filter for Chan and Vese's model: the peer of our sweeps in the benchmarks.
+#pragma once
+#include "model/volume.hpp"
+
+namespace heart::adapters {
+
+/// `iterations` steps from a ball in the middle of the image; the level set at the end.
+Volume<float> itk_dense_chan_vese(const Volume<float>& image, int iterations);
+
+}  // namespace heart::adapters

@@ -1,0 +1,261 @@
+#include "generator/app/accuracy_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "datasets/phantom/phantom.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "generator/app/image_stages.hpp"
+#include "generator/landmarks/landmarks.hpp"
+#include "generator/segment/crop.hpp"
+#include "model/error.hpp"
+#include "validation/contour_fit.hpp"
+
+namespace heart::app {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr int below_bounds = 3;
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+struct Bound {
+  Region region;
+  const char* heading;
+  double least_dice;
+};
+/// What a phantom at 0.5 x 0.5 x 1.2 mm must reach, any variant, any noise up to 40 HU.
+constexpr std::array<Bound, 6> bounds = {{{Region::lv_blood, "lv", 0.98},
+                                          {Region::lv_myocardium, "lv wall", 0.95},
+                                          {Region::rv_blood, "rv", 0.97},
+                                          {Region::rv_myocardium, "rv wall", 0.80},
+                                          {Region::la_blood, "la", 0.96},
+                                          {Region::ra_blood, "ra", 0.96}}};
+constexpr double most_distance_mm = 0.4;
+constexpr std::array<const char*, 4> valve_names = {"mitral", "aortic", "tricuspid", "pulmonary"};
+
+struct ValveError {
+  double center_mm = nothing, normal_deg = nothing;
+};
+
+/// What one phantom gave.
+struct Case {
+  int variant = 0;
+  double noise_hu = 0, right_minus_muscle_hu = 0;
+  std::string refusal;                                       ///< the message, where a stage refused the image
+  std::map<std::string, std::map<std::string, double>> fit;  ///< region, then metric
+  std::map<std::string, ValveError> valves;
+  double axis_deg = nothing, confidence = nothing, seconds = 0;
+  std::vector<std::string> warnings;
+};
+
+int whole_number(std::string_view text) {
+  int value = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || value < 0)
+    throw UserError(fmt::format("\"{}\" is no phantom", text), "--variants", "write numbers and ranges, such as 0-4,9");
+  return value;
+}
+
+std::vector<int> variant_list(const std::string& text) {
+  std::vector<int> variants;
+  for (std::size_t at = 0; at <= text.size();) {
+    const auto end = std::min(text.find(',', at), text.size());
+    const std::string_view part(text.data() + at, end - at);
+    const auto dash = part.find('-');
+    const int first = whole_number(part.substr(0, dash));
+    const int last = dash == std::string_view::npos ? first : whole_number(part.substr(dash + 1));
+    for (int variant = first; variant <= last; ++variant) variants.push_back(variant);
+    at = end + 1;
+  }
+  return variants;
+}
+
+double angle_between_deg(const Vec3& a, const Vec3& b) {
+  return std::acos(std::clamp(dot(normalized(a), normalized(b)), -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+void compare_landmarks(const datasets::Phantom& phantom, const landmarks::FoundLandmarks& found, Case& result) {
+  result.confidence = found.confidence;
+  result.warnings = found.warnings;
+  result.axis_deg = angle_between_deg(found.long_axis, -datasets::long_axis(phantom.model));
+  for (const auto& [name, truth] : phantom.landmarks.valves) {
+    const auto at = found.landmarks.valves.find(name);
+    if (at != found.landmarks.valves.end())
+      result.valves[name] = {norm(at->second.center_mm - truth.center_mm),
+                             angle_between_deg(at->second.normal, truth.normal)};
+  }
+}
+
+/// Only the heart's regions, and only the box that holds both maps' heart.
+void compare_maps(const LabelVolume& labels, const LabelVolume& truth, Case& result) {
+  const auto is_compared = [](std::uint8_t label) {
+    return std::any_of(bounds.begin(), bounds.end(), [&](const Bound& b) { return label == tag(b.region); }) ||
+           label == tag(Region::papillary) || label == tag(Region::la_wall) || label == tag(Region::ra_wall);
+  };
+  const auto ours = segment::bounding_box(labels, 1, is_compared);
+  auto box = segment::bounding_box(truth, 1, is_compared);
+  for (std::size_t a = 0; a < 3 && !ours.empty(); ++a) {
+    box.begin[a] = std::min(box.begin[a], ours.begin[a]);
+    box.end[a] = std::max(box.end[a], ours.end[a]);
+  }
+  LabelVolume mine = segment::crop(labels, box), reference = segment::crop(truth, box);
+  for (auto* map : {&mine, &reference})
+    for (auto& label : map->voxels)
+      if (!is_compared(label)) label = 0;
+  for (const auto& row : validation::compare_labels(mine, reference)) result.fit[row.scope][row.metric] = row.value;
+}
+
+void keep_images(const fs::path& folder, const datasets::Phantom& phantom, const LabelVolume& labels) {
+  fs::create_directories(folder);
+  adapters::write_volume((folder / "ct.nii.gz").string(), phantom.ct);
+  adapters::write_volume((folder / "truth.nii.gz").string(), phantom.labels);
+  adapters::write_volume((folder / "labels.nii.gz").string(), labels);
+}
+
+double total_seconds(const Run& run) {
+  double seconds = 0;
+  for (const auto& time : run.times) seconds += time.seconds;
+  return seconds;
+}
+
+/// The image stages of a build with an empty recipe. @collective
+Case measure(const datasets::PhantomSettings& settings, const std::string& keep, const parallel::Comm& comm) {
+  Case result;
+  result.variant = settings.variant;
+  result.noise_hu = settings.noise_hu;
+  Run run;
+  run.comm = comm;
+  datasets::Phantom phantom;
+  parallel::run_on_root(comm, [&] { phantom = datasets::make_phantom(settings); });
+  result.right_minus_muscle_hu = datasets::right_heart_contrast_hu(datasets::make_heart_model(settings.variant));
+  Recipe recipe;
+  recipe.segmentation = default_segmentation();
+  try {
+    const Staged<CtVolume> ct{phantom.ct, ""};
+    const auto found = run.root_stage("landmarks", {}, [&] { return landmarks::find_landmarks(*ct); });
+    recipe.landmarks = found->landmarks;
+    if (comm.is_root()) compare_landmarks(phantom, *found, result);
+    const auto labelling = label_ct(run, ct, recipe);
+    if (comm.is_root()) compare_maps(*labelling, phantom.labels, result);
+    if (comm.is_root() && !keep.empty())
+      keep_images(fs::path(keep) / fmt::format("variant-{}-noise-{:g}", result.variant, result.noise_hu), phantom,
+                  *labelling);
+  } catch (const UserError& error) {
+    result.refusal = error.what();
+  }
+  result.seconds = total_seconds(run);
+  return result;
+}
+
+double value_of(const Case& c, Region region, const std::string& metric) {
+  const auto scope = c.fit.find(region_name(tag(region)));
+  if (scope == c.fit.end()) return nothing;
+  const auto at = scope->second.find(metric);
+  return at == scope->second.end() ? nothing : at->second;
+}
+
+/// What the case misses, one entry per number; nothing where it is as good as it must be.
+std::vector<std::string> misses(const Case& c) {
+  if (!c.refusal.empty()) return {c.refusal};
+  std::vector<std::string> result;
+  for (const Bound& bound : bounds) {
+    const double dice = value_of(c, bound.region, "dice");
+    const double distance = value_of(c, bound.region, "surface_distance_mean");
+    if (!(dice >= bound.least_dice))
+      result.push_back(fmt::format("{} dice {:.3f} < {:.2f}", bound.heading, dice, bound.least_dice));
+    if (!(distance <= most_distance_mm))
+      result.push_back(fmt::format("{} distance {:.2f} > {:.1f} mm", bound.heading, distance, most_distance_mm));
+  }
+  return result;
+}
+
+void print_heading() {
+  fmt::print("{:>7} {:>5} {:>6} |", "variant", "noise", "right");
+  for (const Bound& bound : bounds) fmt::print(" {:>10}", bound.heading);
+  fmt::print(" |");
+  for (const char* valve : valve_names) fmt::print(" {:>9}", valve);
+  fmt::print(" | {:>4} {:>5} {:>5}\n{:>7} {:>5} {:>6} |", "axis", "conf", "time", "", "HU", "HU");
+  for (std::size_t n = 0; n < bounds.size(); ++n) fmt::print(" {:>10}", "dice   mm");
+  fmt::print(" |");
+  for (std::size_t n = 0; n < valve_names.size(); ++n) fmt::print(" {:>9}", "mm  deg");
+  fmt::print(" | {:>4} {:>5} {:>5}\n", "deg", "", "s");
+}
+
+void print_row(const Case& c) {
+  fmt::print("{:>7} {:>5g} {:>+6.0f} |", c.variant, c.noise_hu, c.right_minus_muscle_hu);
+  for (const Bound& bound : bounds)
+    fmt::print(" {:5.3f} {:4.2f}", value_of(c, bound.region, "dice"),
+               value_of(c, bound.region, "surface_distance_mean"));
+  fmt::print(" |");
+  for (const char* valve : valve_names) {
+    const auto at = c.valves.find(valve);
+    const ValveError error = at == c.valves.end() ? ValveError{} : at->second;
+    fmt::print(" {:4.1f} {:4.1f}", error.center_mm, error.normal_deg);
+  }
+  fmt::print(" | {:4.1f} {:5.2f} {:5.1f}{}\n", c.axis_deg, c.confidence, c.seconds, misses(c).empty() ? "" : "  *");
+  std::fflush(stdout);
+}
+
+Json as_json(const Case& c) {
+  Json row{{"variant", c.variant},       {"noise_hu", c.noise_hu}, {"right_minus_muscle_hu", c.right_minus_muscle_hu},
+           {"refusal", c.refusal},       {"regions", c.fit},       {"axis_deg", c.axis_deg},
+           {"confidence", c.confidence}, {"warnings", c.warnings}, {"misses", misses(c)},
+           {"seconds", c.seconds}};
+  for (const auto& [name, error] : c.valves)
+    row["valves"][name] = {{"center_mm", error.center_mm}, {"normal_deg", error.normal_deg}};
+  return row;
+}
+
+void print_summary(const std::vector<Case>& cases) {
+  std::size_t good = 0;
+  for (const Case& c : cases) {
+    const auto missed = misses(c);
+    good += missed.empty();
+    if (!missed.empty()) fmt::print("* variant {}, noise {:g}: {}\n", c.variant, c.noise_hu, fmt::join(missed, "; "));
+    for (const auto& warning : c.warnings)
+      fmt::print("  variant {}, noise {:g} warns: {}\n", c.variant, c.noise_hu, warning);
+  }
+  fmt::print("{} of {} phantoms within every bound\n", good, cases.size());
+}
+
+}  // namespace
+
+int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm) {
+  const auto variants = variant_list(command.variants);
+  datasets::PhantomSettings settings;
+  settings.size = command.size;
+  settings.spacing_mm = command.spacing_mm;
+  settings.companions = false;
+  settings.fibers = false;
+  const bool table = comm.is_root() && !command.json;
+  if (table) print_heading();
+  std::vector<Case> cases;
+  for (const double noise : command.noise_hu)
+    for (const int variant : variants) {
+      settings.variant = variant;
+      settings.noise_hu = noise;
+      cases.push_back(measure(settings, command.keep, comm));
+      if (table) print_row(cases.back());
+    }
+  if (table) print_summary(cases);
+  if (comm.is_root() && command.json) {
+    Json rows = Json::array();
+    for (const Case& c : cases) rows.push_back(as_json(c));
+    fmt::print("{}\n", rows.dump(1));
+  }
+  const bool all_good = std::all_of(cases.begin(), cases.end(), [](const Case& c) { return misses(c).empty(); });
+  return parallel::run_on_root(comm, [&] { return all_good ? 0 : below_bounds; });
+}
+
+}  // namespace heart::app

@@ -1,0 +1,25 @@
+// `heartgen accuracy`: phantoms made in memory, segmented without any landmark, compared with what they are.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "generator/parallel/comm.hpp"
+#include "model/grid.hpp"
+
+namespace heart::app {
+
+struct AccuracyCommand {
+  std::string variants = "0-14";  ///< numbers and ranges, separated by commas
+  std::vector<double> noise_hu{22};
+  Index3 size{256, 256, 160};
+  Vec3 spacing_mm{1.4, 1.4, 1.9};
+  std::string keep;  ///< folder for each case's CT, truth and label map; empty: none are written
+  bool json = false;
+};
+
+/// One row per phantom: Dice and mean surface distance of ventricles and atria, distance and angle of each valve's
+/// plane, angle of the long axis, confidence, seconds; then the rows that miss their bounds and the means. Exit code 3
+/// where a row misses. Throws UserError for variants it cannot read and phantoms out of range. @collective
+int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm);
+
+}  // namespace heart::app

@@ -1,0 +1,63 @@
+#include "generator/app/bench_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/benchmarks.hpp"
+#include "model/error.hpp"
+#include "model/text.hpp"
+
+namespace heart::app {
+namespace {
+
+using benchmarks::Benchmark;
+using benchmarks::Row;
+using Json = nlohmann::ordered_json;
+
+std::vector<Benchmark> chosen(const std::vector<std::string>& names) {
+  if (names.empty()) return benchmarks::all();
+  std::vector<std::string> known;
+  for (const auto& bench : benchmarks::all()) known.push_back(bench.name);
+  std::vector<Benchmark> list;
+  for (const auto& name : names) {
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end())
+      throw UserError(fmt::format("unknown benchmark \"{}\"", name), "bench",
+                      fmt::format("did you mean \"{}\"? Known: {}", nearest_name(name, known), fmt::join(known, ", ")));
+    list.push_back(benchmarks::all()[static_cast<std::size_t>(found - known.begin())]);
+  }
+  return list;
+}
+
+void print(const Row& row) {
+  fmt::print("{:<12}{:<62}{:>10.4g} {:<12}{}\n", row.bench, row.what, row.value, row.unit,
+             row.note.empty() ? "" : "  " + row.note);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int bench_command(const BenchCommand& command, const parallel::Comm& comm) {
+  const benchmarks::Settings settings{command.size, command.spacing_mm, command.repeats, command.threads};
+  benchmarks::count_processor_time(command.processor_time);
+  Json all = Json::array();
+  for (const auto& bench : chosen(command.names))
+    for (const Row& row : bench.run(settings, comm)) {
+      if (!comm.is_root()) continue;
+      if (!command.json) print(row);
+      all.push_back(
+          {{"bench", row.bench}, {"what", row.what}, {"value", row.value}, {"unit", row.unit}, {"note", row.note}});
+    }
+  if (command.json && comm.is_root()) fmt::print("{}\n", all.dump(1));
+  return 0;
+}
+
+std::string bench_help() {
+  std::string text = "Benchmarks (all of them when none is named):\n";
+  for (const auto& bench : benchmarks::all()) text += fmt::format("  {:<12} {}\n", bench.name, bench.help);
+  return text;
+}
+
+}  // namespace heart::app

@@ -1,0 +1,27 @@
+// `heartgen bench`: the measured speeds of the image stages.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "generator/parallel/comm.hpp"
+#include "model/grid.hpp"
+
+namespace heart::app {
+
+struct BenchCommand {
+  std::vector<std::string> names;  ///< empty: all
+  Index3 size{512, 512, 199};
+  Vec3 spacing_mm{0.5, 0.5, 1.2};
+  int repeats = 7;
+  int threads = 2;
+  bool processor_time = false;
+  bool json = false;
+};
+
+/// Prints a table, or JSON. Throws UserError for an unknown name. @collective
+int bench_command(const BenchCommand& command, const parallel::Comm& comm);
+
+/// The names and what they measure, for --help.
+std::string bench_help();
+
+}  // namespace heart::app

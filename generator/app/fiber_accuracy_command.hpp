@@ -1,0 +1,23 @@
+// `heartgen fiber-accuracy`: an atlas's fibres carried to phantoms whose fibres are known, from their exact labels.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace heart::app {
+
+struct FiberAccuracyCommand {
+  /// Phantoms: variants ("3"), "thick" and "dilated" (left wall 14 and 7 mm), "cut" (labels end 12 mm below the mitral
+  /// valve) and "tilted" (they end in a plane tilted by 15 degrees).
+  std::vector<std::string> cases{"1", "2", "3", "4", "thick", "dilated", "cut", "tilted"};
+  std::string atlas = "phantom";  ///< "phantom" (variant 0 as an image), "stand-in", or a file
+  std::vector<std::string> methods{"local_angles", "coordinates", "jacobian"};
+  double spacing_mm = 1.2;  ///< of the exact labels
+  bool json = false;
+};
+
+/// One line per phantom and method: mean and 95th percentile of the angle between carried and known axes over all
+/// voxels of each wall where the phantom has fibres, share covered, seconds. Throws UserError for unknown cases,
+/// methods and atlases. Not collective.
+int fiber_accuracy_command(const FiberAccuracyCommand& command);
+
+}  // namespace heart::app

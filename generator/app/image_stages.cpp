@@ -1,0 +1,165 @@
+#include "generator/app/image_stages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "generator/landmarks/landmarks.hpp"
+#include "generator/segment/body.hpp"
+#include "generator/segment/chambers.hpp"
+#include "generator/segment/diffusion.hpp"
+#include "generator/segment/epicardium.hpp"
+#include "generator/segment/fuse_labels.hpp"
+#include "generator/segment/hierarchy.hpp"
+#include "generator/segment/trachea.hpp"
+#include "model/error.hpp"
+#include "model/labels.hpp"
+
+namespace heart::app {
+namespace {
+
+Volume<float> as_float(const CtVolume& ct) {
+  Volume<float> image(ct.grid);
+  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
+  return image;
+}
+
+std::vector<std::string> with(std::vector<std::string> keys, const std::string& key) {
+  keys.push_back(key);
+  return keys;
+}
+
+std::string listed(const labels::MissingGroups& missing) {
+  std::vector<std::string> names;
+  if (missing.chambers) names.emplace_back("chambers");
+  if (missing.walls) names.emplace_back("walls");
+  if (missing.body) names.emplace_back("the body around the heart");
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string completion_remark(const labels::MissingGroups& missing, bool has_ct) {
+  if (!missing.any()) return "Everything else was left as the given labels have it.";
+  if (has_ct) return fmt::format("What the given labels lack of these was made from the CT: {}.", listed(missing));
+  return "Without a CT, walls that the given labels lack got the least thickness of the recipe, and nothing was added "
+         "around the heart.";
+}
+
+/// Chambers and the left ventricle's wall cannot be guessed.
+void refuse_what_needs_a_ct(const LabelVolume& given, const labels::MissingGroups& missing, const std::string& path) {
+  constexpr const char* remedy = "give the CT too, or labels that hold it";
+  if (missing.chambers) throw UserError("lacks a chamber of the heart", path, remedy);
+  if (missing.walls && !labels::holds(given, Region::lv_myocardium))
+    throw UserError("lacks lv_myocardium", path, remedy);
+}
+
+/// The given labels without the groups whose stage is replaced by a file. Root only.
+LabelVolume labels_not_from_files(const Run& run, const labels::GivenLabels& given) {
+  LabelVolume rest = given.labels;
+  for (const auto& [stage, group] : {std::pair{"chambers", labels::Group::chambers},
+                                     {"epicardium", labels::Group::walls},
+                                     {"body", labels::Group::body}})
+    if (run.files.replaced_by.contains(stage))
+      for (auto& label : rest.voxels)
+        if (label != 0 && labels::group_of(static_cast<Region>(label)) == group) label = 0;
+  return rest;
+}
+
+/// The walls around the chambers, those that are given as they are. @collective
+LabelVolume make_walls(Run& run, const CtVolume& ct, const LabelVolume& chambers, const LabelVolume& given,
+                       bool missing, const Recipe& recipe) {
+  if (missing && recipe.input.ct.empty() && !recipe.input.labels.empty())
+    return parallel::run_on_root(run.comm, [&] { return labels::least_walls(chambers, given, recipe.epicardium); });
+  LabelVolume own(ct.grid);
+  if (missing) {
+    const LabelVolume near =
+        given.voxels.empty() ? chambers : labels::near_heart(chambers, recipe.chambers.vessel_length_mm);
+    own = segment::epicardium(ct, near, recipe.epicardium, run.comm, labels::only(given, labels::Group::walls)).walls;
+  }
+  return labels::with_given(std::move(own), given, labels::Group::walls);
+}
+
+}  // namespace
+
+bool chambers_are_marked(const Landmarks& landmarks) {
+  for (const char* chamber : {"lv_blood", "rv_blood", "la_blood", "ra_blood"})
+    if (!landmarks.seeds_mm.contains(chamber)) return false;
+  return true;
+}
+
+Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
+                             std::vector<std::string>& remarks) {
+  if (chambers_are_marked(given)) return given;
+  const auto found = run.root_stage("landmarks", {ct.key}, [&] { return landmarks::find_landmarks(*ct); });
+  Landmarks all = given;
+  all.seeds_mm.insert(found->landmarks.seeds_mm.begin(), found->landmarks.seeds_mm.end());
+  all.valves.insert(found->landmarks.valves.begin(), found->landmarks.valves.end());
+  if (!all.lv_apex_mm) all.lv_apex_mm = found->landmarks.lv_apex_mm;
+  remarks.push_back(
+      fmt::format("Seeds and valves were found automatically, with a confidence of {:.2f}.", found->confidence));
+  for (const auto& warning : found->warnings) remarks.push_back("Automatic landmarks: " + warning);
+  std::string text = write_landmarks(all);  // what the root found, for every rank
+  parallel::broadcast(run.comm, text);
+  return parse_landmarks(text, "automatic landmarks");
+}
+
+KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const std::string& hash,
+                              std::vector<std::string>& remarks) {
+  KnownLabels known;
+  if (recipe.input.labels.empty()) return known;
+  const bool has_ct = !recipe.input.ct.empty();
+  known.given = run.root_stage("given", {ct.key, hash, recipe_section(recipe, "labels")}, [&] {
+    return labels::read_given_labels(recipe.input, recipe.labels, has_ct ? &ct->grid : nullptr);
+  });
+  known.missing = parallel::run_on_root(run.comm, [&] {
+    auto missing = labels::missing_groups(known.given->labels, recipe.labels);
+    if (!has_ct) refuse_what_needs_a_ct(known.given->labels, missing, recipe.input.labels);
+    remarks.insert(remarks.end(), known.given->remarks.begin(), known.given->remarks.end());
+    remarks.push_back(completion_remark(missing, has_ct));
+    missing.body &= has_ct;
+    return missing;
+  });
+  parallel::broadcast(run.comm, known.missing);
+  return known;
+}
+
+Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const KnownLabels& known) {
+  const auto from_file = [&](const char* stage) { return run.files.replaced_by.contains(stage); };
+  const bool whole_map = from_file("labels") || !(known.missing.any() || from_file("chambers") ||
+                                                  from_file("epicardium") || from_file("body"));
+  if (whole_map) return run.root_stage("labels", {known.given.key}, [&] { return known.given->labels; });
+
+  const bool make_chambers = known.missing.chambers && !from_file("chambers");
+  const bool make_body = known.missing.body && !from_file("body");
+  const LabelVolume given = labels_not_from_files(run, *known.given);
+  Staged<Volume<float>> smooth;
+  Staged<segment::SegmentationTree> tree;
+  if ((make_chambers || make_body) && !from_file("segment"))
+    smooth = run.stage("denoise", {ct.key, recipe_section(recipe, "denoise")},
+                       [&] { return segment::perona_malik(as_float(*ct), recipe.denoise, run.comm); });
+  if (make_chambers || make_body)
+    tree = run.stage("segment", {smooth.key, recipe_section(recipe, "segmentation")},
+                     [&] { return segment::segment(*smooth, recipe.segmentation, run.comm); });
+  const std::vector<std::string> sources = {tree.key, known.given.key, recipe_section(recipe, "landmarks"),
+                                            recipe_section(recipe, "chambers")};
+  const auto chambers = run.root_stage("chambers", sources, [&] {
+    LabelVolume own(ct->grid);
+    if (make_chambers) own = segment::split_chambers(*ct, *tree, recipe.landmarks, recipe.chambers);
+    own = labels::with_given(std::move(own), given, labels::Group::chambers);
+    return labels::with_filled_pockets(std::move(own), given);
+  });
+  const auto walls =
+      run.stage("epicardium", {ct.key, chambers.key, known.given.key, recipe_section(recipe, "epicardium")},
+                [&] { return make_walls(run, *ct, *chambers, given, known.missing.walls, recipe); });
+  const auto body = run.root_stage("body", with(sources, chambers.key), [&] {
+    LabelVolume own(ct->grid);
+    if (make_body)
+      own = segment::label_surroundings(segment::segment_body(*ct, *tree, *chambers, recipe.landmarks, recipe.chambers),
+                                        segment::segment_trachea(*ct, *tree, recipe.landmarks));
+    return labels::with_given(std::move(own), given, labels::Group::body);
+  });
+  return run.root_stage("labels", {chambers.key, walls.key, body.key, known.given.key},
+                        [&] { return labels::with_all_given(segment::fuse_labels(*chambers, *walls, *body), given); });
+}
+
+}  // namespace heart::app

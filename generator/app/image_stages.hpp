@@ -1,0 +1,36 @@
+// The image stages of a build: landmarks where the recipe gives none, and the label map of a CT.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "generator/app/run.hpp"
+#include "generator/labels/given_labels.hpp"
+#include "model/recipe.hpp"
+#include "model/volume.hpp"
+
+namespace heart::app {
+
+/// What is known of the label map before the image stages begin, and what they must add.
+struct KnownLabels {
+  Staged<labels::GivenLabels> given{};              ///< no voxels: nothing is given. Root only
+  labels::MissingGroups missing{true, true, true};  ///< on every rank
+};
+
+/// Whether seeds for all four chambers are given, so that none need to be looked for.
+bool chambers_are_marked(const Landmarks& landmarks);
+
+/// The recipe's landmarks, completed by those found in the CT where the recipe does not mark all four chambers.
+/// What the recipe gives wins. @collective
+Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
+                             std::vector<std::string>& remarks);
+
+/// Reads the recipe's `input.labels`, if any, on the CT's grid; `hash` stands for the files' contents. Without a CT
+/// (no voxels) they keep their own grid, and what only a CT could add is missing no more, which the remarks say.
+/// Throws UserError where chambers or ventricular walls are lacking that nothing can add. @collective
+KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const std::string& hash,
+                              std::vector<std::string>& remarks);
+
+/// The image stages: CT to label map. What is known already is not made again and never overwritten. @collective
+Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const KnownLabels& known = {});
+
+}  // namespace heart::app

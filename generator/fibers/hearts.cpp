@@ -1,0 +1,192 @@
+#include "generator/fibers/hearts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/resample.hpp"
+#include "generator/fibers/push_forward.hpp"
+#include "generator/parallel/threads.hpp"
+#include "model/error.hpp"
+
+namespace heart::fibers {
+namespace {
+
+using atlas::AxisTensor;
+using atlas::Part;
+using atlas::WallPoint;
+
+constexpr double blend_mm = 2;  // the ventricles' fields are blended this far on either side of their junction
+
+/// The left ventricle's angles go around the long axis, the right one's around the middle of its own cavity.
+Both<Vec3> angle_centers(const atlas::Ventricles& ventricles) {
+  const auto& parts = ventricles.parts;
+  Vec3 sum;
+  double count = 0;
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    if (!is(parts.voxels[v], Part::rv_cavity)) continue;
+    const Vec3 p = atlas::voxel_center(parts.grid, static_cast<std::int64_t>(v));
+    if (depth_below_base_mm(ventricles.frame, p) < 0) continue;
+    sum += p;
+    ++count;
+  }
+  return {ventricles.frame.base_point_mm, count > 0 ? sum / count : ventricles.frame.base_point_mm};
+}
+
+struct WallSamples {
+  AngleSamples by_place, by_coordinates;
+  std::vector<double> depth;
+};
+
+WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& center_mm) {
+  WallSamples samples;
+  const Grid& g = image.fiber.grid;
+  const auto coordinates = wall_coordinates(image.ventricles, wall);
+  for (std::size_t v = 0; v < image.fiber.voxels.size(); ++v) {
+    const Vec3 f = image.fiber.voxels[v];
+    if (!is(image.ventricles.parts.voxels[v], wall) || !coordinates.known.voxels[v] || norm(f) < 0.5) continue;
+    if (!image.mixed.voxels.empty() && image.mixed.voxels[v]) continue;
+    const Vec3 position = atlas::voxel_center(g, static_cast<std::int64_t>(v));
+    const auto at = atlas::wall_point(coordinates, image.ventricles.frame, position);
+    if (!at) continue;
+    const AxisTensor tensor =
+        atlas::axis_tensor({dot(f, at->circumferential), dot(f, at->longitudinal), dot(f, at->normal)});
+    samples.depth.push_back(at->depth);
+    samples.by_place.feature.push_back(place_feature(position, at->depth));
+    samples.by_place.tensor.push_back(tensor);
+    samples.by_coordinates.feature.push_back(
+        coordinate_feature(image.ventricles.frame, center_mm, position, at->depth));
+    samples.by_coordinates.tensor.push_back(tensor);
+  }
+  return samples;
+}
+
+double helix_of(const AxisTensor& local) {
+  const Vec3 axis = atlas::leading_axis(local);
+  return std::atan2(axis.x < 0 ? -axis.y : axis.y, std::abs(axis.x)) * 180 / std::acos(-1.0);
+}
+
+/// A heart's fibres climb from a right-handed helix inside to a left-handed one outside; a mirrored atlas's do not.
+void check_handedness(const WallSamples& lv, const std::string& name) {
+  constexpr double clearly_deg = 15;
+  AxisTensor inside, outside;
+  for (std::size_t n = 0; n < lv.depth.size(); ++n) {
+    if (lv.depth[n] < 0.3) inside += lv.by_place.tensor[n];
+    if (lv.depth[n] > 0.7) outside += lv.by_place.tensor[n];
+  }
+  const double inner = helix_of(inside), outer = helix_of(outside);
+  if (inner < outer - clearly_deg)
+    throw UserError(fmt::format("the fibres of the atlas turn the wrong way: helix angle {:.0f} deg inside, {:.0f} deg "
+                                "outside; it is mirrored",
+                                inner, outer),
+                    name, "change the sign of one coordinate of its points and of its vectors");
+}
+
+/// Share of the left ventricle in the field at a point: 1 in its wall, 0 in the right one's, linear between.
+std::vector<double> left_shares(const atlas::Ventricles& patient, const std::vector<Vec3>& points_mm) {
+  const auto to_lv = atlas::distance_to(atlas::mask_where(patient.parts, [](auto v) { return is(v, Part::lv_wall); }));
+  const auto to_rv = atlas::distance_to(atlas::mask_where(patient.parts, [](auto v) { return is(v, Part::rv_wall); }));
+  std::vector<double> share(points_mm.size());
+  for (std::size_t n = 0; n < share.size(); ++n) {
+    const Vec3 index = index_from_lps(to_lv.grid, points_mm[n]);
+    const double difference = sample_linear(to_rv, index) - sample_linear(to_lv, index);
+    share[n] = std::clamp(0.5 + 0.5 * difference / blend_mm, 0.0, 1.0);
+  }
+  return share;
+}
+
+/// Adds share × carried dyad to the tensors of the points where this ventricle has a share.
+template <class Feature>
+void add_carried(const AngleSamples& samples, const PointWalls& walls, bool left, const Feature& feature_at,
+                 std::vector<AxisTensor>& axes) {
+  const auto share_of = [&](std::size_t n) { return left ? walls.left_share[n] : 1 - walls.left_share[n]; };
+  std::vector<AngleQuery> queries;
+  std::vector<std::size_t> nodes;
+  for (std::size_t n = 0; n < axes.size(); ++n) {
+    if (!walls.known[n] || share_of(n) <= 0) continue;
+    const WallPoint& at = left ? walls.lv[n] : walls.rv[n];
+    queries.push_back({feature_at(n, at.depth), at});
+    nodes.push_back(n);
+  }
+  const auto carried = carry_local_angles(samples, queries);
+  for (std::size_t q = 0; q < nodes.size(); ++q) axes[nodes[q]] += share_of(nodes[q]) * carried[q];
+}
+
+}  // namespace
+
+Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atlas::AtlasImage atlas,
+                      const std::string& atlas_name, const FiberSettings& settings) {
+  Hearts hearts;
+  hearts.atlas = std::move(atlas);
+  const auto centers = angle_centers(hearts.atlas.ventricles);
+  auto lv = wall_samples(hearts.atlas, Part::lv_wall, centers.lv);
+  auto rv = wall_samples(hearts.atlas, Part::rv_wall, centers.rv);
+  if (lv.depth.empty() || rv.depth.empty())
+    throw UserError("the atlas has no fibres in one of the ventricles", atlas_name,
+                    "a fibre atlas is a mesh of both ventricles with one vector per point or per cell");
+  check_handedness(lv, atlas_name);
+  hearts.by_place = {std::move(lv.by_place), std::move(rv.by_place)};
+  hearts.by_coordinates = {std::move(lv.by_coordinates), std::move(rv.by_coordinates)};
+  hearts.patient = atlas::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm);
+  hearts.registration = register_atlas(hearts.patient, hearts.atlas.ventricles, settings);
+  hearts.patient_walls.lv = wall_coordinates(hearts.patient, Part::lv_wall);
+  hearts.patient_walls.rv = wall_coordinates(hearts.patient, Part::rv_wall);
+  hearts.patient_centers_mm = angle_centers(hearts.patient);
+  return hearts;
+}
+
+PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
+                       const std::vector<std::uint8_t>& wanted) {
+  const std::size_t count = points_mm.size();
+  PointWalls walls{left_shares(hearts.patient, points_mm), std::vector<std::uint8_t>(count),
+                   std::vector<WallPoint>(count), std::vector<WallPoint>(count)};
+  parallel::parallel_for(0, static_cast<std::int64_t>(count), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      if (!wanted[n]) continue;
+      const auto lv = wall_point(hearts.patient_walls.lv, hearts.patient.frame, points_mm[n]);
+      const auto rv = wall_point(hearts.patient_walls.rv, hearts.patient.frame, points_mm[n]);
+      if (!lv && !rv) continue;
+      walls.known[n] = 1;
+      if (!lv) walls.left_share[n] = 0;
+      if (!rv) walls.left_share[n] = 1;
+      if (lv) walls.lv[n] = *lv;
+      if (rv) walls.rv[n] = *rv;
+    }
+  });
+  return walls;
+}
+
+std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>& points_mm) {
+  std::vector<Vec3> result(points_mm.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(result.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      result[n] = atlas_position(hearts.registration, points_mm[n]);
+  });
+  return result;
+}
+
+std::vector<AxisTensor> carried_axes(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
+                                     const std::vector<Vec3>& atlas_mm, const std::string& method) {
+  if (method == "jacobian") return push_forward(hearts.atlas, hearts.registration, points_mm);
+  std::vector<AxisTensor> axes(points_mm.size());
+  for (const bool left : {true, false}) {
+    if (method == "coordinates") {
+      const Vec3& center = left ? hearts.patient_centers_mm.lv : hearts.patient_centers_mm.rv;
+      add_carried(
+          left ? hearts.by_coordinates.lv : hearts.by_coordinates.rv, walls, left,
+          [&](std::size_t n, double depth) {
+            return coordinate_feature(hearts.patient.frame, center, points_mm[n], depth);
+          },
+          axes);
+    } else {
+      add_carried(
+          left ? hearts.by_place.lv : hearts.by_place.rv, walls, left,
+          [&](std::size_t n, double depth) { return place_feature(atlas_mm[n], depth); }, axes);
+    }
+  }
+  return axes;
+}
+
+}  // namespace heart::fibers

@@ -1,0 +1,54 @@
+// A patient's ventricles and an atlas's, aligned, and fibre axes carried from one to the other at any points.
+// Serial per rank (threads inside); the same bits for any number of threads. Not collective.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "generator/atlas/register.hpp"
+#include "generator/fibers/local_angles.hpp"
+#include "model/landmarks.hpp"
+#include "model/recipe.hpp"
+
+namespace heart::fibers {
+
+/// One value per ventricle.
+template <class T>
+struct Both {
+  T lv, rv;
+};
+
+/// Everything that carrying needs.
+struct Hearts {
+  atlas::Ventricles patient;
+  atlas::AtlasImage atlas;
+  atlas::Registration registration;
+  Both<AngleSamples> by_place, by_coordinates;
+  Both<atlas::WallCoordinates> patient_walls;
+  Both<Vec3> patient_centers_mm;  ///< what angles go around: the long axis, the right cavity
+};
+
+/// `labels`: tags of labels.hpp. Throws UserError where a ventricle is missing, where the atlas has no fibres in one,
+/// is mirrored (by its helix) or cannot be aligned. `atlas_name` is for the messages.
+Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atlas::AtlasImage atlas,
+                      const std::string& atlas_name, const FiberSettings& settings);
+
+/// What the walls are at a list of points.
+struct PointWalls {
+  std::vector<double> left_share;   ///< of the left ventricle in the field: 0 or 1 but within 2 mm of the junction
+  std::vector<std::uint8_t> known;  ///< 0: too far from both walls
+  std::vector<atlas::WallPoint> lv, rv;
+  const atlas::WallPoint& main(std::size_t n) const { return left_share[n] >= 0.5 ? lv[n] : rv[n]; }
+};
+PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
+                       const std::vector<std::uint8_t>& wanted);
+
+/// Position in the atlas's frame of each point.
+std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>& points_mm);
+
+/// Dyads of the carried axes; zero tensors where nothing could be carried. `method`: "local_angles", "coordinates" or
+/// "jacobian".
+std::vector<atlas::AxisTensor> carried_axes(const Hearts& hearts, const PointWalls& walls,
+                                            const std::vector<Vec3>& points_mm, const std::vector<Vec3>& atlas_mm,
+                                            const std::string& method);
+
+}  // namespace heart::fibers

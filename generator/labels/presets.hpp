@@ -1,0 +1,41 @@
+// What the values and names of well-known label maps mean.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/labels.hpp"
+
+namespace heart::labels {
+
+/// A structure that a preset knows; Region::none: known, and of no use to a heart model.
+struct KnownStructure {
+  std::string name;
+  Region region = Region::none;
+};
+
+struct LabelPreset {
+  std::string_view name;
+  std::string_view what;                          ///< one line for the help
+  std::map<std::int32_t, KnownStructure> values;  ///< value to structure
+  std::map<std::string, Region> names;            ///< plain name (see plain_name) to region, more than `values` has
+};
+
+/// heartgen: the tags and names of labels.hpp.
+/// totalsegmentator, totalsegmentator_v1, totalsegmentator_heart: the tasks `total` of versions 2 and 1 and
+/// `heartchambers_highres`, values as its class map numbers them (github.com/wasserth/TotalSegmentator,
+/// totalsegmentator/map_to_binary.py); all three know the structures of all three by name, as its files are called.
+/// mm_whs: the Multi-Modality Whole Heart Segmentation challenge (Zhuang and Shen 2016; 421 stands for 420 in one of
+/// its files).
+const std::vector<LabelPreset>& label_presets();
+
+/// Throws UserError with the nearest known name. "none" is a preset without any meaning.
+const LabelPreset& label_preset(std::string_view name);
+
+/// Lower case, with every run of other characters than letters and digits as one '_': how names are compared.
+std::string plain_name(std::string_view name);
+
+}  // namespace heart::labels

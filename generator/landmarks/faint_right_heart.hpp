@@ -1,0 +1,19 @@
+// Private to this folder: the right heart where its blood is hardly brighter, or darker, than muscle.
+#pragma once
+#include <optional>
+
+#include "generator/landmarks/contrast.hpp"
+#include "generator/landmarks/long_axis.hpp"
+#include "generator/segment/faint_blood.hpp"
+
+namespace heart::landmarks {
+
+/// `chambers` holds the left heart; on return all blood of the right heart is rv_blood (what it held there before is
+/// replaced). The right heart is the soft tissue across the septum that hangs together through wide ways, once walls of
+/// usual thickness are taken off. `region`: where heart blood may be. Nothing, and `chambers` unchanged, where there is
+/// no such space.
+std::optional<segment::FaintContrast> add_faint_right_heart(LabelVolume& chambers, const WorkingImage& image,
+                                                            const Mask& region, const LongAxis& axis,
+                                                            const Contrast& contrast, double muscle_hu);
+
+}  // namespace heart::landmarks

@@ -1,0 +1,22 @@
+// The tetrahedra of a graded body-centred cubic lattice: nodes at the corners and centres of an octree's leaves, cells
+// between the centres of neighbouring leaves and the edges of the face that they share. Labelle and Shewchuk 2007,
+// section 4: all dihedral angles lie between 45 and 120 degrees on cubic cells.
+#pragma once
+#include <vector>
+
+#include "generator/lattice/materials.hpp"
+#include "generator/lattice/octree.hpp"
+#include "model/tet_mesh.hpp"
+
+namespace heart::lattice {
+
+struct Background {
+  std::vector<Vec3> nodes_mm;
+  std::vector<float> spacing_mm;  ///< per node: size of the smallest leaf that it belongs to
+  std::vector<LabelBits> sides;   ///< per node: sides of the box on which it lies
+  std::vector<Cell> cells;        ///< positively oriented, leaf after leaf
+};
+
+Background make_background(const Octree& tree);
+
+}  // namespace heart::lattice

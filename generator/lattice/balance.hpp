@@ -1,0 +1,14 @@
+// Nodes on a curved surface make flat faces that all lie on its hollow side: volumes shrink, and every face errs to one
+// side. A small shift of the nodes to the other side halves the greatest distance and sets the volume right.
+#pragma once
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
+
+namespace heart::lattice {
+
+/// Shifts every node between exactly two labels along the surface's normal (in the side of the box if it lies on one),
+/// by the mean error of its faces, where no cell falls below `least_quality` or, if it is below already, gets worse. To
+/// be done last: smoothing undoes it.
+void balance_surfaces(Complex& complex, const Materials& materials, double least_quality);
+
+}  // namespace heart::lattice

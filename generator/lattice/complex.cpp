@@ -1,0 +1,180 @@
+#include "generator/lattice/complex.hpp"
+
+#include <algorithm>
+
+#include "generator/lattice/quality.hpp"
+#include "generator/parallel/threads.hpp"
+
+namespace heart::lattice {
+namespace {
+
+constexpr std::uint16_t room = 4;  // for more cells at each node before its list has to move
+
+void append_to_star(Complex& complex, std::int32_t node, std::int32_t cell) {
+  const auto n = static_cast<std::size_t>(node);
+  auto& c = complex;
+  if (c.count[n] == c.capacity[n]) {
+    const auto next = static_cast<std::int32_t>(c.pool.size());
+    c.capacity[n] = static_cast<std::uint16_t>(c.capacity[n] + c.capacity[n] / 2 + room);
+    c.pool.resize(c.pool.size() + c.capacity[n]);
+    std::copy_n(c.pool.begin() + c.first[n], c.count[n], c.pool.begin() + next);
+    c.first[n] = next;
+  }
+  c.pool[static_cast<std::size_t>(c.first[n] + c.count[n]++)] = cell;
+}
+
+void erase_from_star(Complex& complex, std::int32_t node, std::int32_t cell) {
+  const auto n = static_cast<std::size_t>(node);
+  auto* begin = complex.pool.data() + complex.first[n];
+  auto* found = std::find(begin, begin + complex.count[n], cell);
+  *found = begin[--complex.count[n]];
+}
+
+}  // namespace
+
+double quality(const Complex& complex, const Cell& cell) {
+  return cell_quality(complex.at(cell[0]), complex.at(cell[1]), complex.at(cell[2]), complex.at(cell[3]));
+}
+
+void connect(Complex& complex) {
+  auto& c = complex;
+  const std::size_t nodes = c.nodes_mm.size();
+  std::vector<std::int32_t> uses(nodes, 0);
+  for (const auto& cell : c.cells)
+    for (const auto n : cell) ++uses[static_cast<std::size_t>(n)];
+  c.first.resize(nodes);
+  c.capacity.resize(nodes);
+  c.count.assign(nodes, 0);
+  std::int32_t next = 0;
+  for (std::size_t n = 0; n < nodes; ++n) {
+    c.first[n] = next;
+    c.capacity[n] = static_cast<std::uint16_t>(uses[n] + room);
+    next += c.capacity[n];
+  }
+  c.pool.assign(static_cast<std::size_t>(next), -1);
+  for (std::size_t i = 0; i < c.cells.size(); ++i)
+    for (const auto n : c.cells[i]) {
+      const auto at = static_cast<std::size_t>(n);
+      c.pool[static_cast<std::size_t>(c.first[at] + c.count[at]++)] = static_cast<std::int32_t>(i);
+    }
+  c.free_cells.clear();
+  c.quality.resize(c.cells.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(c.cells.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = begin; i < end; ++i) update_quality(complex, static_cast<std::int32_t>(i));
+  });
+}
+
+std::int32_t add_node(Complex& complex, const Vec3& position, LabelBits touches, float spacing_mm) {
+  complex.nodes_mm.push_back(position);
+  complex.touches.push_back(touches);
+  complex.spacing_mm.push_back(spacing_mm);
+  complex.first.push_back(static_cast<std::int32_t>(complex.pool.size()));
+  complex.count.push_back(0);
+  complex.capacity.push_back(0);
+  return static_cast<std::int32_t>(complex.nodes_mm.size()) - 1;
+}
+
+std::int32_t add_cell(Complex& complex, const Cell& cell, int label) {
+  auto id = static_cast<std::int32_t>(complex.cells.size());
+  if (complex.free_cells.empty()) {
+    complex.cells.push_back(cell);
+    complex.label.push_back(static_cast<std::uint8_t>(label));
+    complex.quality.push_back(0);
+  } else {
+    id = complex.free_cells.back();
+    complex.free_cells.pop_back();
+    complex.cells[static_cast<std::size_t>(id)] = cell;
+    complex.label[static_cast<std::size_t>(id)] = static_cast<std::uint8_t>(label);
+  }
+  for (const auto n : cell) append_to_star(complex, n, id);
+  update_quality(complex, id);
+  return id;
+}
+
+void remove_cell(Complex& complex, std::int32_t cell) {
+  auto& nodes = complex.cells[static_cast<std::size_t>(cell)];
+  for (const auto n : nodes) erase_from_star(complex, n, cell);
+  nodes[0] = -1;
+  complex.quality[static_cast<std::size_t>(cell)] = 9;
+  complex.free_cells.push_back(cell);
+}
+
+void update_quality(Complex& complex, std::int32_t cell) {
+  complex.quality[static_cast<std::size_t>(cell)] = static_cast<float>(quality(complex, complex.cell(cell)));
+}
+
+double worst_quality(const Complex& complex, std::span<const std::int32_t> cells) {
+  double worst = 9;
+  for (const auto c : cells) worst = std::min(worst, complex.quality_of(c));
+  return worst;
+}
+
+void derive_touches(Complex& complex) {
+  for (auto& bits : complex.touches) bits = (bits & side_bits) | ((bits & hull_bit) != 0 ? bit_of(0) : 0);
+  for (std::size_t c = 0; c < complex.cells.size(); ++c) {
+    if (complex.cells[c][0] < 0) continue;
+    for (const auto n : complex.cells[c]) complex.touches[static_cast<std::size_t>(n)] |= bit_of(complex.label[c]);
+  }
+}
+
+void compress(Complex& complex) {
+  std::vector<std::int32_t> id(complex.nodes_mm.size(), -1);
+  std::size_t kept = 0;
+  for (std::size_t c = 0; c < complex.cells.size(); ++c) {
+    if (complex.cells[c][0] < 0 || complex.label[c] == 0) continue;
+    for (const auto n : complex.cells[c]) id[static_cast<std::size_t>(n)] = 0;
+    complex.cells[kept] = complex.cells[c];
+    complex.label[kept++] = complex.label[c];
+  }
+  complex.cells.resize(kept);
+  complex.label.resize(kept);
+  std::size_t next = 0;
+  for (std::size_t n = 0; n < id.size(); ++n) {
+    if (id[n] < 0) continue;
+    complex.nodes_mm[next] = complex.nodes_mm[n];
+    complex.touches[next] = complex.touches[n];
+    complex.spacing_mm[next] = complex.spacing_mm[n];
+    id[n] = static_cast<std::int32_t>(next++);
+  }
+  complex.nodes_mm.resize(next);
+  complex.touches.resize(next);
+  complex.spacing_mm.resize(next);
+  for (auto& cell : complex.cells)
+    for (auto& n : cell) n = id[static_cast<std::size_t>(n)];
+  connect(complex);
+}
+
+std::pair<std::int32_t, std::int32_t> others(const Cell& cell, std::int32_t a, std::int32_t b) {
+  std::size_t i = 0, j = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (cell[k] == a) i = k;
+    if (cell[k] == b) j = k;
+  }
+  // The other two places, ascending, make an even permutation of (0, 1, 2, 3) for these pairs.
+  constexpr bool even[4][4] = {
+      {false, true, false, true}, {false, false, true, false}, {true, false, false, true}, {false, true, false, false}};
+  std::size_t k = 0;
+  while (k == i || k == j) ++k;
+  const std::size_t l = 6 - i - j - k;
+  return even[i][j] ? std::pair{cell[k], cell[l]} : std::pair{cell[l], cell[k]};
+}
+
+bool is_edge(const Complex& complex, std::int32_t a, std::int32_t b) {
+  const auto star = complex.star(a);
+  return std::any_of(star.begin(), star.end(), [&](std::int32_t c) { return has(complex.cell(c), b); });
+}
+
+std::array<std::int32_t, 2> cells_at_face(const Complex& complex, std::int32_t a, std::int32_t b, std::int32_t c) {
+  std::array<std::int32_t, 2> found{-1, -1};
+  std::size_t count = 0;
+  for (const auto cell : complex.star(a))
+    if (has(complex.cell(cell), b) && has(complex.cell(cell), c) && count < 2) found[count++] = cell;
+  return found;
+}
+
+LabelBits beyond_face(const Complex& complex, std::int32_t a, std::int32_t b, std::int32_t c) {
+  const LabelBits sides = complex.bits(a) & complex.bits(b) & complex.bits(c) & side_bits;
+  return sides != 0 ? sides & (~sides + 1) : bit_of(0);
+}
+
+}  // namespace heart::lattice

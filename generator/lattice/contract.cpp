@@ -1,0 +1,177 @@
+#include "generator/lattice/contract.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+#include <vector>
+
+#include "generator/lattice/feature.hpp"
+#include "generator/lattice/quality.hpp"
+#include "generator/lattice/ring.hpp"
+#include "generator/lattice/smooth.hpp"
+
+namespace heart::lattice {
+namespace {
+
+constexpr double least_gain = 1e-4;
+constexpr double least_quality = 0.1;  // a contraction that leaves worse cells behind is of no use
+constexpr std::size_t most_cells = 120;
+
+// Labels of the cells around an edge, and what lies beyond where it is an outer one.
+LabelBits touches_of(const Complex& c, const Ring& ring, std::int32_t a, std::int32_t b) {
+  LabelBits bits = 0;
+  for (std::size_t i = 0; i < ring.size; ++i) bits |= bit_of(c.label_of(ring.cells[i]));
+  if (ring.is_open) bits |= beyond_face(c, a, b, ring.nodes[0]) | beyond_face(c, a, b, ring.nodes[ring.size]);
+  return bits;
+}
+
+std::vector<std::int32_t> neighbours(const Complex& c, std::int32_t node) {
+  std::vector<std::int32_t> nodes;
+  for (const auto t : c.star(node))
+    for (const auto n : c.cell(t))
+      if (n != node) nodes.push_back(n);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+// The link condition: nodes next to both ends are those around the edge.
+bool shares_only_ring(const Complex& c, const Ring& ring, std::int32_t a, std::int32_t b) {
+  const auto of_a = neighbours(c, a), of_b = neighbours(c, b);
+  std::vector<std::int32_t> common;
+  std::set_intersection(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), std::back_inserter(common));
+  return common.size() == ring.size + (ring.is_open ? 1 : 0);
+}
+
+// No two sheets of a surface, and no two curves, are glued together where a face shrinks to an edge.
+bool glues_features(const Complex& c, const Ring& ring, std::int32_t kept, std::int32_t gone) {
+  const std::size_t nodes = ring.size + (ring.is_open ? 1 : 0);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const auto n = ring.nodes[i];
+    if (!is_constrained(c.bits(n))) continue;
+    const auto other = ring_around(c, gone, n);
+    if (other.size == 0) return true;
+    const int at_gone = std::popcount(touches_of(c, other, gone, n));
+    if (at_gone < 2) continue;
+    const auto own = ring_around(c, kept, n);
+    if (own.size == 0) return true;
+    const int at_kept = std::popcount(touches_of(c, own, kept, n));
+    if (at_kept < 2) continue;
+    const auto pair = cells_at_face(c, kept, gone, n);
+    const bool on_surface = pair[1] < 0 || c.label_of(pair[0]) != c.label_of(pair[1]);
+    if (!on_surface || (at_gone > 2 && at_kept > 2)) return true;
+  }
+  return false;
+}
+
+// New edges on surfaces keep near to them.
+bool leaves_surface(const Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone,
+                    const Vec3& position, double tolerance) {
+  const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(kept)]);
+  for (const auto n : neighbours(c, gone)) {
+    const LabelBits shared = c.bits(n) & c.bits(gone);
+    if (n == kept || !is_constrained(shared)) continue;
+    if ((shared & side_bits) != 0 && std::popcount(shared & ~side_bits) < 2) continue;
+    const auto ring = ring_around(c, gone, n);
+    const LabelBits touches = touches_of(c, ring, gone, n);
+    if (ring.size == 0 || !is_constrained(touches & ~side_bits)) continue;
+    const Vec3 middle = 0.5 * (position + c.at(n));
+    if (distance_to(feature_at(materials, touches & ~side_bits, middle)) > tolerance * spacing) return true;
+  }
+  return false;
+}
+
+double worst_after(const Complex& c, std::int32_t moved, std::int32_t other, const Vec3& position, double stop) {
+  double worst = 9;
+  for (const auto t : c.star(moved)) {
+    const Cell& cell = c.cell(t);
+    if (has(cell, other)) continue;
+    const auto at = [&](std::size_t i) { return cell[i] == moved ? position : c.at(cell[i]); };
+    worst = std::min(worst, cell_quality(at(0), at(1), at(2), at(3)));
+    if (worst <= stop) break;
+  }
+  return worst;
+}
+
+struct Merge {
+  Vec3 position;
+  double gain = 0;
+};
+
+// The best of the two ends and the middle.
+Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone) {
+  std::array<Vec3, 3> places{c.at(kept)};
+  std::size_t count = 1;
+  if (c.bits(kept) == c.bits(gone)) {
+    places[count++] = project(materials, c.bits(kept), 0.5 * (c.at(kept) + c.at(gone)), 3);
+    places[count++] = c.at(gone);
+  }
+  const double at_gone = worst_quality(c, c.star(gone));
+  const double at_both = std::min(at_gone, worst_quality(c, c.star(kept)));
+  Merge best;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double bound = std::max((i == 0 ? at_gone : at_both) + least_gain, least_quality);
+    double worst = worst_after(c, gone, kept, places[i], bound);
+    if (i > 0 && worst > bound) worst = std::min(worst, worst_after(c, kept, gone, places[i], bound));
+    if (worst - bound > best.gain) best = {places[i], worst - bound};
+  }
+  return best;
+}
+
+}  // namespace
+
+bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone,
+                   const SurfaceTolerance& tolerance) {
+  const LabelBits bits = c.bits(gone);
+  if ((bits & ~c.bits(kept)) != 0 || c.star(kept).size() + c.star(gone).size() > most_cells) return false;
+  const auto ring = ring_around(c, kept, gone);
+  if (ring.size == 0 || touches_of(c, ring, kept, gone) != bits) return false;
+  const auto merge = best_merge(c, materials, kept, gone);
+  if (merge.gain <= 0 || !shares_only_ring(c, ring, kept, gone)) return false;
+  if (is_constrained(bits) && (glues_features(c, ring, kept, gone) ||
+                               leaves_surface(c, materials, kept, gone, merge.position, tolerance.middle)))
+    return false;
+  c.nodes_mm[static_cast<std::size_t>(kept)] = merge.position;
+  const std::vector<std::int32_t> star(c.star(gone).begin(), c.star(gone).end());
+  for (const auto t : star) {
+    Cell cell = c.cell(t);
+    const int label = c.label_of(t);
+    remove_cell(c, t);
+    if (has(cell, kept)) continue;
+    std::replace(cell.begin(), cell.end(), gone, kept);
+    add_cell(c, cell, label);
+  }
+  for (const auto t : c.star(kept)) update_quality(c, t);
+  return true;
+}
+
+bool divide_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
+                 double tolerance) {
+  const auto ring = ring_around(c, a, b);
+  if (ring.size == 0) return false;
+  const double old = worst_quality(c, std::span(ring.cells.data(), ring.size));
+  if (old <= 0) return false;
+  const LabelBits touches = touches_of(c, ring, a, b);
+  const Vec3 middle = project(materials, touches, 0.5 * (c.at(a) + c.at(b)), 3);
+  const auto at = [&](std::int32_t n) { return c.spacing_mm[static_cast<std::size_t>(n)]; };
+  const auto node = add_node(c, middle, touches, std::min(at(a), at(b)));
+  std::vector<std::pair<Cell, int>> before;
+  for (std::size_t i = 0; i < ring.size; ++i) {
+    before.emplace_back(c.cell(ring.cells[i]), c.label_of(ring.cells[i]));
+    remove_cell(c, ring.cells[i]);
+  }
+  for (const auto& [cell, label] : before)
+    for (const auto replaced : {a, b}) {
+      Cell made = cell;
+      std::replace(made.begin(), made.end(), replaced, node);
+      add_cell(c, made, label);
+    }
+  for (int i = 0; i < 3; ++i) smooth_node(c, materials, node, goal, tolerance);
+  if (worst_quality(c, c.star(node)) > old + 10 * least_gain) return true;
+  const std::vector<std::int32_t> made(c.star(node).begin(), c.star(node).end());
+  for (const auto t : made) remove_cell(c, t);
+  for (const auto& [cell, label] : before) add_cell(c, cell, label);
+  return false;
+}
+
+}  // namespace heart::lattice

@@ -1,0 +1,20 @@
+// Fewer and more nodes: edges shrink to a node, or get a node in the middle.
+#pragma once
+#include <cstdint>
+
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/exchange.hpp"
+#include "generator/lattice/materials.hpp"
+
+namespace heart::lattice {
+
+/// Merges `gone` into `kept` where this raises the worst cell around `gone`, keeps the topology of all regions,
+/// surfaces and curves, and leaves surfaces within the tolerance. `gone` must touch no label that `kept` does not.
+bool contract_edge(Complex& complex, const Materials& materials, std::int32_t kept, std::int32_t gone,
+                   const SurfaceTolerance& tolerance);
+
+/// Puts a node on the edge and moves it; undone where the cells around do not get better.
+bool divide_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
+                 double tolerance);
+
+}  // namespace heart::lattice

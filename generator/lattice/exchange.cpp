@@ -1,0 +1,205 @@
+#include "generator/lattice/exchange.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "generator/lattice/feature.hpp"
+#include "generator/lattice/quality.hpp"
+#include "generator/lattice/ring.hpp"
+
+namespace heart::lattice {
+namespace {
+
+constexpr double least_gain = 1e-4;
+
+/// A polygon around an edge, cut into triangles; each makes a cell with either end of the edge (Klincsek's recursion).
+struct Filling {
+  double worst = 9;
+  std::array<std::array<std::uint8_t, longest_ring + 1>, longest_ring + 1> apex{};
+};
+
+Filling fill(const Complex& c, std::span<const std::int32_t> polygon, std::int32_t a, std::int32_t b, double bound) {
+  Filling filling;
+  const std::size_t n = polygon.size();
+  std::array<std::array<double, longest_ring + 1>, longest_ring + 1> best;
+  for (std::size_t i = 0; i + 1 < n; ++i) best[i][i + 1] = 9;
+  const auto at = [&](std::size_t i) { return c.at(polygon[i]); };
+  const Vec3 pa = c.at(a), pb = c.at(b);
+  for (std::size_t span = 2; span < n; ++span)
+    for (std::size_t i = 0; i + span < n; ++i) {
+      const std::size_t j = i + span;
+      best[i][j] = -1;
+      for (std::size_t k = i + 1; k < j; ++k) {
+        double value = std::min(best[i][k], best[k][j]);
+        const auto helps = [&] { return value > bound && value > best[i][j]; };
+        if (helps()) value = std::min(value, cell_quality(at(i), at(k), at(j), pb));
+        if (helps()) value = std::min(value, cell_quality(at(i), at(j), at(k), pa));
+        if (!helps()) continue;
+        best[i][j] = value;
+        filling.apex[i][j] = static_cast<std::uint8_t>(k);
+      }
+    }
+  filling.worst = n < 2 ? -1 : best[0][n - 1];
+  return filling;
+}
+
+void add_filling(Complex& c, std::span<const std::int32_t> polygon, std::int32_t a, std::int32_t b,
+                 const Filling& filling, int label) {
+  std::array<std::array<std::size_t, 2>, 2 * longest_ring> open;
+  std::size_t count = 0;
+  open[count++] = {0, polygon.size() - 1};
+  while (count > 0) {
+    const auto [i, j] = open[--count];
+    if (j - i < 2) continue;
+    const std::size_t k = filling.apex[i][j];
+    add_cell(c, {polygon[i], polygon[k], polygon[j], b}, label);
+    add_cell(c, {polygon[i], polygon[j], polygon[k], a}, label);
+    open[count++] = {i, k};
+    open[count++] = {k, j};
+  }
+}
+
+// Whether the surface may turn its diagonal from ab to first-last.
+bool may_turn(const Complex& c, const Materials& materials, const Ring& ring, std::int32_t a, std::int32_t b,
+              std::int32_t first, std::int32_t last, const SurfaceTolerance& tolerance) {
+  // What the two faces separate: both must be the same surface.
+  LabelBits labels = bit_of(c.label_of(ring.cells[0]));
+  if (ring.is_open) {
+    const LabelBits beyond = beyond_face(c, a, b, first);
+    if (beyond != beyond_face(c, a, b, last)) return false;
+    if ((c.bits(first) & c.bits(last) & beyond) == 0) return false;
+    labels |= beyond;
+  } else {
+    labels |= bit_of(c.label_of(ring.cells[ring.arcs[1]]));
+  }
+  if ((labels & c.bits(a) & c.bits(b) & c.bits(first) & c.bits(last)) != labels) return false;
+  // The new edge must be new, or lie inside the material that gives way.
+  const bool one_cell = ring.is_open ? ring.size == 1 : ring.arcs[1] == 1 || ring.size - ring.arcs[1] == 1;
+  if (is_edge(c, first, last)) {
+    if (!one_cell) return false;
+    const int inside = c.label_of(ring.cells[ring.is_open || ring.arcs[1] == 1 ? 0 : ring.arcs[1]]);
+    const auto around = ring_around(c, first, last);
+    if (around.size == 0 || around.is_open || around.arc_count != 1 || c.label_of(around.cells[0]) != inside)
+      return false;
+  }
+  if ((labels & side_bits) != 0 && std::popcount(labels & ~side_bits) == 1) return true;  // stays in its plane
+  const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(first)]);
+  const Vec3 middle = 0.5 * (c.at(first) + c.at(last));
+  return distance_to(feature_at(materials, labels, middle)) <= tolerance.middle * spacing;
+}
+
+// A cell that holds the outer surface's edge alone goes; both other faces of it become outer ones.
+bool peel(Complex& c, const Ring& ring, std::int32_t a, std::int32_t b, std::int32_t first, std::int32_t last) {
+  if (cells_at_face(c, a, first, last)[1] < 0 || cells_at_face(c, b, first, last)[1] < 0) return false;
+  remove_cell(c, ring.cells[0]);
+  return true;
+}
+
+bool exchange_inside(Complex& c, const Ring& ring, std::int32_t a, std::int32_t b, double bound) {
+  if (ring.size < 3) return false;
+  const std::span polygon(ring.nodes.data(), ring.size);
+  const auto filling = fill(c, polygon, a, b, bound);
+  if (filling.worst <= bound) return false;
+  const int label = c.label_of(ring.cells[0]);
+  for (std::size_t i = 0; i < ring.size; ++i) remove_cell(c, ring.cells[i]);
+  add_filling(c, polygon, a, b, filling, label);
+  return true;
+}
+
+bool exchange_on_surface(Complex& c, const Materials& materials, const Ring& ring, std::int32_t a, std::int32_t b,
+                         double bound, const SurfaceTolerance& tolerance) {
+  const std::size_t turn = ring.is_open ? ring.size : ring.arcs[1];
+  const std::int32_t first = ring.nodes[0], last = ring.nodes[turn];
+  if (!may_turn(c, materials, ring, a, b, first, last, tolerance)) return false;
+  if (ring.is_open && ring.size == 1) return peel(c, ring, a, b, first, last);
+  const std::span one(ring.nodes.data(), turn + 1);
+  const auto filling = fill(c, one, a, b, bound);
+  if (filling.worst <= bound) return false;
+  const int label = c.label_of(ring.cells[0]);
+  if (ring.is_open) {
+    for (std::size_t i = 0; i < ring.size; ++i) remove_cell(c, ring.cells[i]);
+    add_filling(c, one, a, b, filling, label);
+    return true;
+  }
+  const std::span two(ring.nodes.data() + turn, ring.size - turn + 1);
+  const auto other = fill(c, two, a, b, bound);
+  if (other.worst <= bound) return false;
+  const int other_label = c.label_of(ring.cells[turn]);
+  for (std::size_t i = 0; i < ring.size; ++i) remove_cell(c, ring.cells[i]);
+  add_filling(c, one, a, b, filling, label);
+  add_filling(c, two, a, b, other, other_label);
+  return true;
+}
+
+}  // namespace
+
+bool remove_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b,
+                 const SurfaceTolerance& tolerance) {
+  const auto ring = ring_around(c, a, b);
+  if (ring.size == 0) return false;
+  const double old = worst_quality(c, std::span(ring.cells.data(), ring.size));
+  if (old <= 0) return false;
+  const double bound = old + least_gain;
+  if (!ring.is_open && ring.arc_count == 1) return exchange_inside(c, ring, a, b, bound);
+  if (ring.arc_count == (ring.is_open ? 1U : 2U))
+    return exchange_on_surface(c, materials, ring, a, b, bound, tolerance);
+  return false;
+}
+
+bool remove_face(Complex& c, std::int32_t id, std::size_t corner) {
+  const Cell cell = c.cell(id);
+  const std::int32_t x = cell[(corner + 1) % 4], y = cell[(corner + 2) % 4], z = cell[(corner + 3) % 4];
+  const auto pair = cells_at_face(c, x, y, z);
+  if (pair[1] < 0 || c.label_of(pair[0]) != c.label_of(pair[1])) return false;
+  const std::int32_t other = pair[0] == id ? pair[1] : pair[0];
+  std::int32_t far = -1;
+  for (const auto n : c.cell(other))
+    if (n != x && n != y && n != z) far = n;
+  const double old = std::min(c.quality_of(id), c.quality_of(other));
+  if (old <= 0 || is_edge(c, cell[corner], far)) return false;
+  std::array<Cell, 3> made{cell, cell, cell};
+  const std::array dropped{x, y, z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::replace(made[i].begin(), made[i].end(), dropped[i], far);
+    if (quality(c, made[i]) <= old + least_gain) return false;
+  }
+  const int label = c.label_of(id);
+  remove_cell(c, id);
+  remove_cell(c, other);
+  for (const auto& m : made) add_cell(c, m, label);
+  return true;
+}
+
+bool relabel_tip(Complex& c, std::int32_t id) {
+  const Cell cell = c.cell(id);
+  const int own = c.label_of(id);
+  std::array<int, 4> beyond;  // label across the face opposite to each node; 0 where the mesh ends
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pair = cells_at_face(c, cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4]);
+    beyond[i] = pair[1] < 0 ? 0 : c.label_of(pair[0] == id ? pair[1] : pair[0]);
+  }
+  int other = 0;
+  for (const int label : beyond)
+    if (label != 0 && label != own && std::count(beyond.begin(), beyond.end(), label) >= 2) other = label;
+  if (other == 0) return false;
+  if (std::count(beyond.begin(), beyond.end(), other) == 2) {
+    // The edge between the other two faces comes onto the surface: it must lie inside the material so far.
+    std::array<std::int32_t, 2> edge{-1, -1};
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      if (beyond[i] == other) edge[count++] = cell[i];
+    const auto ring = ring_around(c, edge[0], edge[1]);
+    if (ring.size == 0 || ring.is_open || ring.arc_count != 1) return false;
+  }
+  c.label[static_cast<std::size_t>(id)] = static_cast<std::uint8_t>(other);
+  for (const auto n : cell) {
+    auto& bits = c.touches[static_cast<std::size_t>(n)];
+    bits &= side_bits | bit_of(0);
+    for (const auto t : c.star(n)) bits |= bit_of(c.label_of(t));
+  }
+  return true;
+}
+
+}  // namespace heart::lattice

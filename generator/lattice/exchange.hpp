@@ -1,0 +1,28 @@
+// Exchanges of cells that fill the same space: an edge or a face disappears, others appear. Freitag and
+// Ollivier-Gooch 1997; Shewchuk 2002; edges on interfaces and on the outer surface are exchanged too, where the new
+// faces stay on the surface. An exchange is made only where it raises the worst cell concerned.
+#pragma once
+#include <cstdint>
+
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
+
+namespace heart::lattice {
+
+/// How far (in lattice widths) the middle of a new edge on a surface may lie from it.
+struct SurfaceTolerance {
+  double middle = 0.1;
+};
+
+bool remove_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b,
+                 const SurfaceTolerance& tolerance);
+
+/// Two cells at the face opposite to `corner` (0 to 3) become three.
+bool remove_face(Complex& complex, std::int32_t cell, std::size_t corner);
+
+/// A thin tip of one material takes the label of the material that it sticks into: a cell with two or three faces
+/// against the same other label changes to it, where that keeps surfaces whole. Nothing moves; but the nodes are freer
+/// afterwards.
+bool relabel_tip(Complex& complex, std::int32_t cell);
+
+}  // namespace heart::lattice

@@ -1,0 +1,43 @@
+// A graded octree of a box: the size of its leaves follows an edge length, and leaves that share an edge differ by at
+// most a factor of two. Its root cells fill the box exactly, so that the sides of the box are planes of the lattice.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "model/vec.hpp"
+
+namespace heart::lattice {
+
+using Place = std::array<std::int32_t, 3>;
+
+/// A leaf covers 2^level finest cells along each axis, from finest cell `low` on.
+struct Leaf {
+  Place low;
+  std::int32_t level = 0;
+};
+
+struct Octree {
+  Vec3 origin_mm;                   ///< lower corner of the box
+  Vec3 step_mm;                     ///< size of the finest cells; a few percent of difference between the axes
+  Place size{0, 0, 0};              ///< finest cells along each axis
+  std::vector<Leaf> leaves;         ///< along a space-filling curve inside each root cell
+  std::vector<std::uint8_t> level;  ///< of the leaf over each finest cell, x fastest
+
+  std::size_t offset(const Place& at) const {
+    return (static_cast<std::size_t>(at[2]) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(at[1])) *
+               static_cast<std::size_t>(size[0]) +
+           static_cast<std::size_t>(at[0]);
+  }
+};
+
+/// Mean edge of a BCC lattice whose cubes have edges of length 1 (8 edges of sqrt(3)/2 and 6 of 1 at each node).
+constexpr double mean_edge_per_cell = 0.9235;
+
+/// Leaves are as large as `edge_mm` allows: the mean edge of the lattice is about it, between 0.7 and 1.4 of it.
+/// `finest_edge_mm` is the smallest value of edge_mm.
+Octree make_octree(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,
+                   const std::function<double(const Vec3&)>& edge_mm);
+
+}  // namespace heart::lattice

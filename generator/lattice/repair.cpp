@@ -1,0 +1,199 @@
+#include "generator/lattice/repair.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "generator/lattice/contract.hpp"
+#include "generator/lattice/exchange.hpp"
+#include "generator/lattice/feature.hpp"
+#include "generator/lattice/smooth.hpp"
+
+namespace heart::lattice {
+namespace {
+
+// When each operation joins in. Cheap and harmless ones come first: most bad cells need no more.
+constexpr int contract_from = 1, loosen_from = 1, divide_from = 3, regional_from = 4, shake_from = 6;
+
+std::vector<std::int32_t> bad_cells(const Complex& c, double goal) {
+  std::vector<std::int32_t> bad;
+  for (std::size_t i = 0; i < c.quality.size(); ++i)
+    if (static_cast<double>(c.quality[i]) < goal) bad.push_back(static_cast<std::int32_t>(i));
+  return bad;
+}
+
+std::vector<std::int32_t> nodes_around(const Complex& c, const Cell& cell) {
+  std::vector<std::int32_t> nodes;
+  for (const auto corner : cell)
+    for (const auto t : c.star(corner)) nodes.insert(nodes.end(), c.cell(t).begin(), c.cell(t).end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+struct Sweep {
+  Complex* complex;
+  const Materials* materials;
+  double goal;
+  int number;
+  double tolerance;  // of nodes against their features
+  SurfaceTolerance surface;
+
+  bool is_bad(std::int32_t cell) const { return complex->is_alive(cell) && complex->quality_of(cell) < goal; }
+
+  void smooth_corners(std::int32_t id) const {
+    const Cell cell = complex->cell(id);
+    for (const auto n : cell)
+      if (complex->quality_of(id) < goal) smooth_node(*complex, *materials, n, goal + 0.05, tolerance);
+  }
+  template <class Operation>
+  bool any_edge(const Cell& cell, Operation&& operation) const {
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j)
+        if (operation(cell[i], cell[j])) return true;
+    return false;
+  }
+  bool change_topology(std::int32_t id) const {
+    auto& c = *complex;
+    const Cell cell = c.cell(id);
+    if (any_edge(cell, [&](auto a, auto b) { return remove_edge(c, *materials, a, b, surface); })) return true;
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      if (remove_face(c, id, corner)) return true;
+    if (number >= contract_from && any_edge(cell, [&](auto a, auto b) {
+          return contract_edge(c, *materials, a, b, surface) || contract_edge(c, *materials, b, a, surface);
+        }))
+      return true;
+    return number >= divide_from &&
+           any_edge(cell, [&](auto a, auto b) { return divide_edge(c, *materials, a, b, goal + 0.05, tolerance); });
+  }
+  void smooth_region(std::int32_t id) const {
+    constexpr int rounds = 3;
+    constexpr double far_goal = 0.72;  // neighbours make room even where they are good enough
+    const Cell cell = complex->cell(id);
+    const auto nodes = nodes_around(*complex, cell);
+    double before = -9;
+    for (int round = 0; round < rounds && complex->quality_of(id) < goal; ++round) {
+      if (complex->quality_of(id) <= before) break;
+      before = complex->quality_of(id);
+      for (const auto n : nodes) smooth_node(*complex, *materials, n, far_goal, tolerance);
+      for (const auto n : cell) smooth_node(*complex, *materials, n, far_goal, tolerance);
+    }
+  }
+};
+
+/// Numbers in [-1, 1), the same everywhere.
+struct Noise {
+  std::uint32_t state = 1;
+  double next() {
+    state = state * 1664525U + 1013904223U;
+    return static_cast<double>(state >> 8) / 8388608.0 - 1.0;
+  }
+};
+
+// Moves the nodes around a bad cell at random, smooths them, and keeps what is better as a whole.
+struct Shaker {
+  const Sweep* sweep;
+  std::vector<std::int32_t> nodes, cells;
+  std::vector<Vec3> kept;
+
+  Shaker(const Sweep& s, std::int32_t id) : sweep(&s), nodes(nodes_around(*s.complex, s.complex->cell(id))) {
+    for (const auto n : nodes) {
+      const auto star = s.complex->star(n);
+      cells.insert(cells.end(), star.begin(), star.end());
+    }
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    keep();
+  }
+  void keep() {
+    kept.clear();
+    for (const auto n : nodes) kept.push_back(sweep->complex->at(n));
+  }
+  void update() const {
+    for (const auto t : cells) update_quality(*sweep->complex, t);
+  }
+  void go_back() const {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      sweep->complex->nodes_mm[static_cast<std::size_t>(nodes[i])] = kept[i];
+    update();
+  }
+  double misery() const {
+    double sum = 0;
+    for (const auto t : cells) {
+      const double lack = std::max(0.0, sweep->goal + 0.005 - sweep->complex->quality_of(t));
+      sum += lack * lack;
+    }
+    return sum;
+  }
+  void move_at_random(Noise& noise, double amplitude, const Cell* only) const {
+    auto& c = *sweep->complex;
+    for (const auto n : nodes) {
+      if (only != nullptr && !has(*only, n)) continue;
+      const double reach = amplitude * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(n)]);
+      const double x = noise.next(), y = noise.next(), z = noise.next();
+      const Vec3 target = c.at(n) + reach * Vec3{x, y, z};
+      const Vec3 place = is_constrained(c.bits(n)) ? project(*sweep->materials, c.bits(n), target, 3) : target;
+      if (norm(place - c.at(n)) < 3 * reach) c.nodes_mm[static_cast<std::size_t>(n)] = place;
+    }
+    update();
+  }
+  void smooth_all() const {
+    constexpr int rounds = 6;
+    for (int round = 0; round < rounds; ++round)
+      for (const auto n : nodes)
+        smooth_node(*sweep->complex, *sweep->materials, n, sweep->goal + 0.02 * (rounds - round), sweep->tolerance);
+  }
+};
+
+void shake(const Sweep& sweep, std::int32_t id, Noise& noise) {
+  constexpr int tries = 8;
+  Shaker shaker(sweep, id);
+  const Cell cell = sweep.complex->cell(id);
+  double misery = shaker.misery();
+  for (int i = 0; i < tries && misery > 0; ++i) {
+    shaker.move_at_random(noise, 0.08 + 0.03 * (i % 6), i % 2 == 0 ? &cell : nullptr);
+    shaker.smooth_all();
+    const double now = shaker.misery();
+    if (now < 0.999 * misery) {
+      misery = now;
+      shaker.keep();
+    } else {
+      shaker.go_back();
+    }
+  }
+}
+
+void run(const Sweep& sweep, const std::vector<std::int32_t>& bad, double least, Noise& noise, int& shakes_left) {
+  for (const auto id : bad)
+    if (sweep.is_bad(id)) sweep.smooth_corners(id);
+  for (const auto id : bad)
+    if (sweep.is_bad(id)) sweep.change_topology(id);
+  if (sweep.number >= regional_from)
+    for (const auto id : bad_cells(*sweep.complex, sweep.goal))
+      if (sweep.is_bad(id)) sweep.smooth_region(id);
+  if (sweep.number < shake_from) return;
+  for (const auto id : bad_cells(*sweep.complex, least))
+    if (sweep.number % 2 == 1 && sweep.complex->is_alive(id)) relabel_tip(*sweep.complex, id);
+  for (const auto id : bad_cells(*sweep.complex, least))
+    if (sweep.complex->is_alive(id) && sweep.complex->quality_of(id) < least && shakes_left-- > 0)
+      shake(sweep, id, noise);
+}
+
+}  // namespace
+
+std::int64_t repair(Complex& complex, const Materials& materials, const RepairSettings& settings) {
+  constexpr int most_shakes = 1000, most_stalled = 3;
+  Noise noise;
+  int shakes_left = most_shakes, stalled = 0;
+  auto bad = bad_cells(complex, settings.goal);
+  for (int number = 0; number < settings.sweeps && !bad.empty() && stalled < most_stalled; ++number) {
+    const double loose = number < loosen_from ? 0 : std::min(1.0, 0.2 * (number - loosen_from + 1));
+    run({&complex, &materials, settings.goal, number, loose * settings.tolerance, {}}, bad, settings.least, noise,
+        shakes_left);
+    const auto left = bad_cells(complex, settings.goal);
+    stalled = left.size() < bad.size() || number < loosen_from ? 0 : stalled + 1;
+    bad = left;
+  }
+  return static_cast<std::int64_t>(bad.size());
+}
+
+}  // namespace heart::lattice

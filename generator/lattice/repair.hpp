@@ -1,0 +1,22 @@
+// Raises the worst cells of a mesh of several materials: smoothing, exchange of edges and faces, contraction,
+// division, and at last small shakes; sweeps over the bad cells only. Klingner and Shewchuk 2007 (Stellar).
+#pragma once
+#include <cstdint>
+
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
+
+namespace heart::lattice {
+
+struct RepairSettings {
+  double goal = 0.512;      ///< quality (see quality.hpp) that every cell should have: angles in [30.8, 143] degrees
+  double least = 0.49;      ///< cells below this are worth the costly shakes: angles in [29.4, 144.8] degrees
+  int sweeps = 12;          ///< at most
+  double tolerance = 0.15;  ///< of the lattice's width: how far nodes may leave surfaces in the last sweeps
+};
+
+/// Never makes the worst cell worse. Nodes that touch several labels keep to their surfaces and curves. The same
+/// result for any number of threads. Returns how many cells stay below the goal.
+std::int64_t repair(Complex& complex, const Materials& materials, const RepairSettings& settings);
+
+}  // namespace heart::lattice

@@ -1,0 +1,19 @@
+// Moves single nodes so that the worst cell around them gets better. Nodes on features stay on them, within a
+// tolerance. Freitag and Ollivier-Gooch 1997.
+#pragma once
+#include <cstdint>
+
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
+
+namespace heart::lattice {
+
+/// Moves `node` uphill until its worst cell reaches `goal` or nothing helps. With `tolerance` 0, nodes on features are
+/// projected onto them; else they move freely within that share of the lattice's width.
+bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node, double goal, double tolerance);
+
+/// Whether a node may be at `position`: near enough to all surfaces of its feature, and on its sides of the box.
+bool is_allowed(const Complex& complex, const Materials& materials, std::int32_t node, const Vec3& position,
+                double tolerance);
+
+}  // namespace heart::lattice

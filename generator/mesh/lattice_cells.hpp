@@ -1,0 +1,24 @@
+// The lattice back end for label maps: the domain of a label map as materials, stuffed, settled and repaired.
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "generator/adapters/cgal_mesher.hpp"
+#include "generator/mesh/domain.hpp"
+#include "generator/mesh/settle_labels.hpp"
+
+namespace heart::mesh {
+
+/// What one run of the mesher took and gave, for benchmarks.
+struct LatticeReport {
+  std::vector<std::pair<std::string, double>> seconds;  ///< wall time of each step
+  std::int64_t cells_below_goal = 0;                    ///< of the repair
+};
+
+/// Cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat. `manifold_sets` as in settle_labels.
+adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
+                                      std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
+                                      LatticeReport* report = nullptr);
+
+}  // namespace heart::mesh

@@ -1,0 +1,235 @@
+#include "generator/segment/chan_vese_flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "generator/segment/flow_kernels.hpp"
+#include "generator/segment/primal_dual.hpp"
+#include "generator/segment/stencil.hpp"
+#include "generator/segment/two_classes.hpp"
+#include "model/error.hpp"
+
+namespace heart::segment {
+namespace {
+
+using parallel::Comm;
+using parallel::Slab;
+using MaskSlab = Slab<std::uint8_t>;
+
+/// Rows of a tile: three slices of it and the kept coefficients fit the second-level cache.
+constexpr std::int64_t tile_rows = 32;
+
+void check(const ChanVeseFlowSettings& s) {
+  const char* where = "chan_vese_flow";
+  if (!(s.lambda > 0)) throw UserError("lambda must be positive", where, "1 is the usual value");
+  if (!(s.mu >= 0)) throw UserError("mu must not be negative", where, "0 is plain thresholding");
+  if (!(s.time_step > 0 && s.time_step <= 1)) throw UserError("time_step must lie in (0, 1]", where, "try 0.1");
+  if (s.max_iterations < 0 || s.check_interval < 1)
+    throw UserError("iterations must not be negative", where, "check max_iterations and check_interval");
+}
+
+FlowConstants flow_constants(const Grid& grid, const TwoClasses& c, const ChanVeseFlowSettings& s) {
+  const AxisWeights w = axis_weights(grid);
+  const double contrast = c.c_above - c.c_below;
+  FlowConstants constants{
+      squared(w, 1), squared(w, 0.25), squared(w, s.mu / smallest_spacing(grid)), static_cast<float>(s.time_step), {}};
+  constants.force.gain = static_cast<float>(2 * s.lambda / contrast);
+  constants.force.middle = static_cast<float>((c.c_below + c.c_above) / 2);
+  constants.force.limit = s.norm == Norm::l1 ? static_cast<float>(s.lambda) : std::numeric_limits<float>::infinity();
+  return constants;
+}
+
+/// How much of a row and its neighbouring rows lies in the domain.
+enum class Cover : std::uint8_t { none, part, all };
+
+struct Sweep {
+  const Slab<float>& image;
+  const MaskSlab& domain;
+  FlowConstants constants;
+  std::vector<Cover> covers;  ///< of the rows of the slices first - 1 .. end - 1
+
+  std::int64_t rows() const { return image.grid.size[1]; }
+  std::int64_t slices() const { return image.grid.size[2]; }
+  Cover cover(std::int64_t j, std::int64_t k) const {
+    return covers[static_cast<std::size_t>((k - image.first + 1) * rows() + j)];
+  }
+};
+
+/// The row (j, k); the slice below the slab has no slice below itself, and needs none for its upper faces.
+FlowRow flow_row(const Sweep& s, const Slab<float>& phi, Slab<float>& next, std::int64_t j, std::int64_t k) {
+  const auto lower = std::max(k - 1, s.image.first - 1);
+  const auto below = std::max<std::int64_t>(j - 1, 0), above = std::min(j + 1, s.rows() - 1);
+  FlowRow row;
+  row.u = {phi.row(j, k),     phi.row(below, k), phi.row(above, k),   phi.row(j, lower),
+           phi.row(j, k + 1), next.row(j, k),    s.image.grid.size[0]};
+  if (s.cover(j, k) == Cover::all) return row;
+  row.in = s.domain.row(j, k);
+  row.in_below_j = s.domain.row(below, k);
+  row.in_above_j = s.domain.row(above, k);
+  row.in_below_k = s.domain.row(j, lower);
+  row.in_above_k = s.domain.row(j, k + 1);
+  return row;
+}
+
+/// Rows that lie in the domain wholly, not at all, or in part.
+std::vector<Cover> row_covers(const MaskSlab& domain) {
+  const auto nx = domain.grid.size[0], ny = domain.grid.size[1];
+  std::vector<Cover> own(static_cast<std::size_t>((domain.count + 2) * ny));
+  const auto at = [&](std::int64_t j, std::int64_t k) -> Cover& {
+    return own[static_cast<std::size_t>((k - domain.first + 1) * ny + j)];
+  };
+  const auto first = (domain.first - 1) * ny;
+  parallel::parallel_for(first, (domain.end() + 1) * ny, [&](std::int64_t begin, std::int64_t end) {
+    for (auto r = begin; r < end; ++r) {
+      const auto k = (r - first) / ny + domain.first - 1, j = (r - first) % ny;
+      const std::uint8_t* row = domain.row(j, k);
+      const auto inside = std::count_if(row, row + nx, [](std::uint8_t d) { return d != 0; });
+      at(j, k) = inside == 0 ? Cover::none : inside == nx ? Cover::all : Cover::part;
+    }
+  });
+  auto covers = own;
+  for (auto k = domain.first - 1; k < domain.end(); ++k)
+    for (std::int64_t j = 0; j < ny; ++j) {
+      const bool whole = at(j, k) == Cover::all && at(std::max<std::int64_t>(j - 1, 0), k) == Cover::all &&
+                         at(std::min(j + 1, ny - 1), k) == Cover::all && at(j, k + 1) == Cover::all &&
+                         at(j, std::max(k - 1, domain.first - 1)) == Cover::all;
+      if (at(j, k) == Cover::all && !whole)
+        covers[static_cast<std::size_t>((k - domain.first + 1) * ny + j)] = Cover::part;
+    }
+  return covers;
+}
+
+Sweep make_sweep(const Slab<float>& image, const MaskSlab& domain) {
+  return {image, domain, {}, image.count ? row_covers(domain) : std::vector<Cover>{}};
+}
+
+/// Face coefficients that a tile keeps; `lower` and `upper` change places from row to row and slice to slice.
+struct TileFaces {
+  std::vector<float> x, speed, lower_y, upper_y, lower_z, upper_z;
+
+  TileFaces(std::int64_t nx, std::int64_t rows)
+      : x(static_cast<std::size_t>(nx + 1), 0.0f),
+        speed(static_cast<std::size_t>(nx), 0.0f),
+        lower_y(speed),
+        upper_y(speed),
+        lower_z(static_cast<std::size_t>(nx * rows), 0.0f),
+        upper_z(lower_z) {}
+
+  FaceRow row(std::vector<float>& z, std::int64_t row, std::int64_t nx) {
+    return {x.data() + 1, upper_y.data(), z.data() + row * nx, speed.data()};
+  }
+};
+
+/// Coefficients of the row's upper faces; closed ones where nothing of it is in the domain.
+void fill_faces(const Sweep& s, const FlowRow& row, std::int64_t j, std::int64_t k, const FaceRow& faces) {
+  if (s.cover(j, k) == Cover::none) {
+    std::fill_n(faces.y, row.u.nx, 0.0f);
+    std::fill_n(faces.z, row.u.nx, 0.0f);
+    return;
+  }
+  flow_faces(row, s.constants, j + 1 < s.rows() ? 1.0f : 0.0f, k + 1 < s.slices() ? 1.0f : 0.0f, faces);
+}
+
+/// Rows [begin, end) of all slices of the slab.
+void sweep_tile(const Sweep& s, const Slab<float>& phi, Slab<float>& next, std::int64_t begin, std::int64_t end) {
+  const auto nx = s.image.grid.size[0];
+  TileFaces faces(nx, end - begin);
+  if (s.image.first > 0)
+    for (auto j = begin; j < end; ++j) {
+      const auto k = s.image.first - 1;
+      fill_faces(s, flow_row(s, phi, next, j, k), j, k, faces.row(faces.lower_z, j - begin, nx));
+    }
+  for (auto k = s.image.first; k < s.image.end(); ++k) {
+    std::ranges::fill(faces.lower_y, 0.0f);
+    if (begin > 0) {
+      fill_faces(s, flow_row(s, phi, next, begin - 1, k), begin - 1, k, faces.row(faces.upper_z, 0, nx));
+      std::swap(faces.lower_y, faces.upper_y);
+    }
+    for (auto j = begin; j < end; ++j) {
+      const FlowRow row = flow_row(s, phi, next, j, k);
+      const FaceRow upper = faces.row(faces.upper_z, j - begin, nx);
+      fill_faces(s, row, j, k, upper);
+      if (s.cover(j, k) != Cover::none)
+        flow_update(row, s.constants, s.image.row(j, k), upper, faces.lower_y.data(),
+                    faces.lower_z.data() + (j - begin) * nx);
+      std::swap(faces.lower_y, faces.upper_y);
+    }
+    std::swap(faces.lower_z, faces.upper_z);
+  }
+}
+
+/// φ and `next` agree outside the domain, where neither is written to. @collective
+void sweep(const Sweep& s, Slab<float>& phi, Slab<float>& next, const Comm& comm) {
+  const auto height = std::clamp<std::int64_t>(s.rows() / parallel::thread_count(), 1, tile_rows);
+  parallel::parallel_for(0, (s.rows() + height - 1) / height, [&](std::int64_t from, std::int64_t to) {
+    for (auto tile = from; tile < to; ++tile)
+      if (s.image.count) sweep_tile(s, phi, next, tile * height, std::min((tile + 1) * height, s.rows()));
+  });
+  std::swap(phi.values, next.values);
+  parallel::exchange_halo(phi, comm);
+}
+
+}  // namespace
+
+void sweep_flow(const Slab<float>& image, const MaskSlab& domain, Slab<float>& phi, double c_below, double c_above,
+                const ChanVeseFlowSettings& settings, int sweeps, const Comm& comm) {
+  check(settings);
+  Sweep s = make_sweep(image, domain);
+  s.constants = flow_constants(image.grid, {c_below, c_above}, settings);
+  auto next = phi;
+  for (int n = 0; n < sweeps; ++n) sweep(s, phi, next, comm);
+}
+
+ChanVeseFlowResult chan_vese_flow(const Slab<float>& image, const MaskSlab& domain, Slab<float> phi, double c_below,
+                                  double c_above, const ChanVeseFlowSettings& settings, const Comm& comm) {
+  check(settings);
+  TwoClasses classes{c_below, c_above};
+  auto sides = parallel::make_slab_like<std::uint8_t>(image, 0);
+  divide(image, domain, classes, sides);  // for its voxels of no side
+  divide_at_level(phi, 0, sides, comm);
+  ChanVeseFlowResult result;
+  if (settings.mu > 0 && c_below < c_above) {
+    parallel::exchange_halo(phi, comm);
+    Sweep s = make_sweep(image, domain);
+    auto next = phi;
+    int quiet_checks = 0;
+    while (result.iterations < settings.max_iterations && quiet_checks < 2) {
+      s.constants = flow_constants(image.grid, classes, settings);
+      const int sweeps = std::min(settings.check_interval, settings.max_iterations - result.iterations);
+      for (int n = 0; n < sweeps; ++n) sweep(s, phi, next, comm);
+      result.iterations += sweeps;
+      quiet_checks = divide_at_level(phi, 0, sides, comm) == 0 ? quiet_checks + 1 : 0;
+      if (quiet_checks > 0 || settings.fixed_values) continue;
+      const auto now = side_values(image, sides, settings.norm, classes, comm);
+      if (now.c_below < now.c_above) classes = now;
+    }
+    result.converged = quiet_checks >= 2;
+  } else {
+    result.converged = true;
+  }
+  result.phi = std::move(phi);
+  result.above = above_mask(sides, comm);
+  result.c_below = classes.c_below;
+  result.c_above = classes.c_above;
+  const ChanVeseSettings measure{.norm = settings.norm, .lambda = settings.lambda, .mu = settings.mu};
+  result.energy = chan_vese_energy(image, domain, result.above, result.c_below, result.c_above, measure, comm);
+  return result;
+}
+
+ChanVeseFlowResult chan_vese_flow(const Slab<float>& image, const MaskSlab& domain,
+                                  const ChanVeseFlowSettings& settings, const Comm& comm) {
+  check(settings);
+  std::int64_t voxels = std::ranges::count_if(domain.owned(), [](std::uint8_t d) { return d != 0; });
+  if (parallel::sum_int64(comm, voxels) == 0)
+    throw UserError("the domain to be segmented is empty", "chan_vese_flow", "check the steps that define it");
+  const auto classes = two_classes(image, domain, settings.norm, comm);
+  const auto threshold = static_cast<float>((classes.c_below + classes.c_above) / 2);
+  auto phi = parallel::make_slab_like<float>(image, 1);
+  std::ranges::transform(image.owned(), phi.owned().begin(), [&](float g) { return g > threshold ? 1.0f : -1.0f; });
+  return chan_vese_flow(image, domain, std::move(phi), classes.c_below, classes.c_above, settings, comm);
+}
+
+}  // namespace heart::segment

@@ -1,0 +1,106 @@
+#include "generator/segment/descend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace heart::segment {
+namespace {
+
+using parallel::Comm;
+using parallel::Slab;
+using Bytes = Slab<std::uint8_t>;
+
+/// (i + 2 j + 3 k) modulo this differs between any two voxels of one term, a voxel and its three upper neighbours.
+constexpr std::int64_t classes = 4;
+
+struct Problem {
+  const Slab<float>& image;
+  const Bytes& domain;
+  LinearForce force;
+  AxisWeights weights;
+};
+
+/// Steps from a voxel to its neighbours in memory; the upper neighbour of the last voxel along an axis does not exist.
+struct Voxel {
+  const std::uint8_t *domain, *above;
+  std::int64_t step[3];
+  bool has_lower[3], has_upper[3];
+};
+
+/// |w ∇above| at the voxel `offset` away, which has upper neighbours where `has_upper`; `flipped` (an offset) counts as
+/// on the other side.
+double term(const Voxel& v, std::int64_t offset, const bool (&has_upper)[3], std::int64_t flipped,
+            const AxisWeights& w) {
+  const float weight[3] = {w.x, w.y, w.z};
+  const auto side = [&](std::int64_t at) { return v.above[at] ^ static_cast<std::uint8_t>(at == flipped); };
+  double square = 0;
+  for (int a = 0; a < 3; ++a) {
+    const auto upper = offset + v.step[a];
+    if (has_upper[a] && v.domain[upper] && side(upper) != side(offset)) square += double{weight[a]} * weight[a];
+  }
+  return std::sqrt(square);
+}
+
+/// Change of the sum when the voxel changes sides.
+double change(const Problem& p, const Voxel& v, float grey) {
+  constexpr std::int64_t nobody = INT64_MIN;
+  double sum = term(v, 0, v.has_upper, 0, p.weights) - term(v, 0, v.has_upper, nobody, p.weights);
+  for (int a = 0; a < 3; ++a) {
+    if (!v.has_lower[a] || !v.domain[-v.step[a]]) continue;
+    bool has_upper[3] = {v.has_upper[0], v.has_upper[1], v.has_upper[2]};
+    has_upper[a] = true;
+    sum += term(v, -v.step[a], has_upper, 0, p.weights) - term(v, -v.step[a], has_upper, nobody, p.weights);
+  }
+  const double pull = std::clamp(p.force.gain * (grey - p.force.middle), -p.force.limit, p.force.limit);
+  return sum + (*v.above ? pull : -pull);
+}
+
+/// The voxels of a row that belong to the class; returns how many changed sides.
+std::int64_t descend_row(const Problem& p, const Runs& runs, std::int64_t j, std::int64_t k, std::int64_t kind,
+                         Bytes& above) {
+  const auto& size = above.grid.size;
+  const std::uint8_t* d = p.domain.row(j, k);
+  std::uint8_t* a = above.row(j, k);
+  const float* g = p.image.row(j, k);
+  Voxel v{d, a, {1, size[0], above.slice_size()}, {false, j > 0, k > 0}, {false, j + 1 < size[1], k + 1 < size[2]}};
+  const auto offset = ((kind - 2 * j - 3 * k) % classes + classes) % classes;
+  std::int64_t changed = 0;
+  for (const Run& run : runs)
+    for (auto i = run.begin + ((offset - run.begin) % classes + classes) % classes; i < run.end; i += classes) {
+      if (!d[i]) continue;
+      v.domain = d + i;
+      v.above = a + i;
+      v.has_lower[0] = i > 0;
+      v.has_upper[0] = i + 1 < size[0];
+      if (change(p, v, g[i]) < 0) {
+        a[i] ^= 1;
+        ++changed;
+      }
+    }
+  return changed;
+}
+
+}  // namespace
+
+void descend(const Slab<float>& image, const Bytes& domain, const LinearForce& force, const AxisWeights& weights,
+             const RowRuns& visited, int passes, Bytes& above, const Comm& comm) {
+  const Problem p{image, domain, force, weights};
+  const auto ny = image.grid.size[1];
+  for (int pass = 0; pass < passes; ++pass) {
+    std::int64_t sum = 0;
+    for (std::int64_t kind = 0; kind < classes; ++kind) {
+      std::vector<std::int64_t> changed(static_cast<std::size_t>(parallel::thread_count()), 0);
+      parallel::parallel_for(image.first * ny, image.end() * ny, [&](std::int64_t from, std::int64_t to, int piece) {
+        for (auto row = from; row < to; ++row)
+          changed[static_cast<std::size_t>(piece)] +=
+              descend_row(p, visited.at(row % ny, row / ny), row % ny, row / ny, kind, above);
+      });
+      for (const auto count : changed) sum += count;
+      parallel::exchange_halo(above, comm);
+    }
+    if (parallel::sum_int64(comm, sum) == 0) break;
+  }
+}
+
+}  // namespace heart::segment

@@ -1,0 +1,44 @@
+#include "generator/segment/simd.hpp"
+
+#include <algorithm>
+
+namespace heart::segment {
+namespace {
+
+Simd best_level() {
+#if HEART_HAS_VECTOR_VERSIONS
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl"))
+    return Simd::avx512;
+  if (__builtin_cpu_supports("avx2")) return Simd::avx2;
+#endif
+  return Simd::plain;
+}
+
+Simd& current() {
+  static Simd level = best_level();
+  return level;
+}
+
+}  // namespace
+
+Simd simd_level() { return current(); }
+
+Simd set_simd_level(Simd level) {
+  current() = std::min(level, best_level());
+  return current();
+}
+
+const char* name_of(Simd level) {
+  switch (level) {
+    case Simd::avx512:
+      return "AVX-512";
+    case Simd::avx2:
+      return "AVX2";
+    case Simd::plain:
+      break;
+  }
+  return "plain";
+}
+
+}  // namespace heart::segment

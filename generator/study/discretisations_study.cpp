@@ -1,0 +1,180 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "generator/study/convergence.hpp"
+#include "generator/study/global_minimum.hpp"
+#include "generator/study/initial_conditions.hpp"
+#include "generator/study/studies.hpp"
+#include "generator/study/test_images.hpp"
+
+namespace heart::study {
+namespace {
+
+constexpr std::array<std::pair<Length, const char*>, 3> lengths = {
+    {{Length::heaviside, "Heaviside"}, {Length::smereka, "Smereka"}, {Length::piecewise_linear, "piecewise linear"}}};
+
+/// Energies of the seven methods by one length, and what is said of their order.
+using Energies = std::array<double, discretisation_count>;
+
+std::vector<FollowedFlow> seven_flows(const Field& image, const Domain& plane, bool quick) {
+  std::vector<FollowedFlow> flows;
+  for (int n = 1; n <= discretisation_count; ++n) {
+    FlowSettings settings;
+    settings.method = static_cast<Discretisation>(n);
+    settings.max_iterations = quick ? 1500 : 5000;
+    flows.push_back({name_of(settings.method), two_class_start(image, plane, Norm::l2), settings});
+  }
+  return flows;
+}
+
+double energy_of(const Field& image, const Field& phi, const Domain& plane, Length length) {
+  const FlowSettings s;
+  return energy(image, phi, plane, s.norm, s.mu, s.lambda, length);
+}
+
+Energies energies_of(const Field& image, const Domain& plane, const std::vector<FollowedFlow>& flows, Length length) {
+  Energies e{};
+  for (std::size_t n = 0; n < e.size(); ++n) e[n] = energy_of(image, flows[n].result.phi, plane, length);
+  return e;
+}
+
+/// The methods' numbers by rising energy: "5 4 3 2 1 7 6".
+std::string order_of(const Energies& e) {
+  std::array<std::size_t, discretisation_count> order{};
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return e[a] < e[b]; });
+  std::string text;
+  for (const auto n : order) text += fmt::format("{}{}", text.empty() ? "" : " ", n + 1);
+  return text;
+}
+
+/// Whether every method of `low` has less energy than every method of `high` (numbers from 1).
+bool below(const Energies& e, const std::vector<std::size_t>& low, const std::vector<std::size_t>& high) {
+  for (const auto a : low)
+    for (const auto b : high)
+      if (!(e[a - 1] < e[b - 1])) return false;
+  return true;
+}
+
+/// The statements of Table 5.2, each by each length.
+std::vector<Claim> ordering_claims(const std::array<Energies, 3>& all) {
+  struct Statement {
+    const char* text;
+    std::vector<std::size_t> low, high;
+  };
+  static const std::vector<Statement> statements = {
+      {"methods 4 and 5 have the least energy", {4, 5}, {1, 2, 3, 6, 7}},
+      {"methods 2 and 3 come next", {2, 3}, {1, 6, 7}},
+      {"method 1 is better than 6 and 7 only", {1}, {6, 7}},
+      {"method 6 is the worst", {1, 2, 3, 4, 5, 7}, {6}},
+  };
+  std::vector<Claim> claims;
+  for (const auto& statement : statements)
+    for (std::size_t k = 0; k < lengths.size(); ++k)
+      claims.push_back({"Table 5.2", fmt::format("{} ({} length)", statement.text, lengths[k].second),
+                        below(all[k], statement.low, statement.high),
+                        fmt::format("order of the methods, least energy first: {}", order_of(all[k]))});
+  return claims;
+}
+
+std::vector<Claim> claims(const std::array<Energies, 3>& all, const std::vector<FollowedFlow>& flows,
+                          double reference_energy, double close) {
+  const auto at = [&](int method) {
+    return settled_within(flows[static_cast<std::size_t>(method - 1)].distance, close);
+  };
+  const auto text = [&](int method) {
+    return settled_text(flows[static_cast<std::size_t>(method - 1)].distance, close);
+  };
+  bool fourth_first = at(4) >= 0;
+  for (const int other : {1, 2, 3, 5, 6, 7}) fourth_first = fourth_first && (at(other) < 0 || at(4) <= at(other));
+  const Curve& sixth = flows[5].distance;
+  const double best_of_sixth = *std::min_element(sixth.y.begin(), sixth.y.end());
+  const double least = *std::min_element(all[0].begin(), all[0].end());
+  std::vector<Claim> found = ordering_claims(all);
+  const std::vector<Claim> more = {
+      {"Fig 5.6", "of the methods that converge, method 4 is the fastest", fourth_first,
+       fmt::format("iterations until at most {:.0f} pixels differ for good, methods 1 to 7: {}, {}, {}, {}, {}, {}, {}",
+                   close, text(1), text(2), text(3), text(4), text(5), text(6), text(7))},
+      {"Fig 5.6", "method 6 stagnates", at(6) < 0 && sixth.y.back() > 4 * close,
+       fmt::format("it ends with {:.0f} differing pixels", sixth.y.back())},
+      {"Fig 5.6", "method 6 is very fast at first", best_of_sixth < 0.5 * sixth.y.front(),
+       fmt::format("from {:.0f} differing pixels it never gets below {:.0f}", sixth.y.front(), best_of_sixth)},
+      {"beyond", "the convex solver's energy (Heaviside) is not above that of any of the seven",
+       reference_energy <= least, fmt::format("{:.2f}, least of the seven {:.2f}", reference_energy, least)},
+  };
+  found.insert(found.end(), more.begin(), more.end());
+  return found;
+}
+
+Table energy_table(const Field& image, const Domain& plane, const std::vector<FollowedFlow>& flows,
+                   const GlobalMinimum& reference, double close) {
+  Table table{"table-5-2",
+              "Energies of the segmentations by three lengths, in the order of the thesis's Table 5.2",
+              {"method", "Heaviside", "Smereka", "piecewise linear", "iterations", "steady", "pixels that differ",
+               "settled at"},
+              {}};
+  const auto row = [&](const std::string& name, const Field& phi) {
+    std::vector<std::string> cells{name};
+    for (const auto& length : lengths)
+      cells.push_back(fmt::format("{:.3f}", energy_of(image, phi, plane, length.first)));
+    return cells;
+  };
+  for (const auto& flow : flows) {
+    auto cells = row(flow.name, flow.result.phi);
+    cells.insert(cells.end(), {std::to_string(flow.result.iterations), flow.result.steady ? "yes" : "no",
+                               fmt::format("{:.0f}", flow.distance.y.back()), settled_text(flow.distance, close)});
+    table.rows.push_back(cells);
+  }
+  auto cells = row(fmt::format("convex solver (gap {:.1e})", reference.relative_gap), reference.phi);
+  cells.insert(cells.end(), {std::to_string(reference.iterations), "yes", "0", ""});
+  table.rows.push_back(cells);
+  return table;
+}
+
+}  // namespace
+
+StudyResult study_discretisations(const StudySettings& settings) {
+  const int size = settings.quick ? 128 : 256;
+  const Field image = photographer(size);
+  const Domain plane = whole_plane(size, size);
+  if (settings.progress) settings.progress("the convex reference");
+  GlobalSettings tight;
+  tight.relative_gap = 1e-5;
+  const GlobalMinimum reference = global_minimum(image, plane, tight);
+  std::vector<FollowedFlow> flows = seven_flows(image, plane, settings.quick);
+  if (settings.progress) settings.progress(fmt::format("seven discretisations on {0} × {0} pixels", size));
+  follow(image, plane, positive_side(reference.phi, plane), flows);
+
+  const double close = 1.5e-3 * size * size;
+  std::array<Energies, 3> all{};
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = energies_of(image, plane, flows, lengths[k].first);
+  StudyResult study{
+      "discretisations",
+      "Seven discretisations (5.1.2)",
+      fmt::format(
+          "μ = 2, λ = 0.00004, β = 5, Δt = 0.1 as in the thesis, on {0} × {0} pixels of an image of our own (the "
+          "thesis's is not free), from φ = ±1 by the two best grey classes; the thesis names neither its start nor "
+          "its |∇φ|. Here |∇φ| is central for the curvature and upwind for the force in methods 1 and 2, and one "
+          "two-sided norm in method 3. \"Settled\" means that at most {1:.0f} pixels differ from the convex solution "
+          "for good.",
+          size, close),
+      {energy_table(image, plane, flows, reference, close)},
+      {{"fig-5-6", "Distance to the minimum (5.22)", "iteration", "pixels that differ", true, true, {}}},
+      {{"image", "the image", grey_picture(image, 0, 255)},
+       {"reference", "convex solver", class_picture(positive_side(reference.phi, plane))}},
+      claims(all, flows, reference.energy, close)};
+  for (std::size_t n = 0; n < flows.size(); ++n) {
+    study.plots[0].curves.push_back(flows[n].distance);
+    study.pictures.push_back(
+        {fmt::format("sides-{}", n + 1), flows[n].name, class_picture(positive_side(flows[n].result.phi, plane))});
+  }
+  for (std::size_t n = 0; n < flows.size(); ++n)
+    study.pictures.push_back(
+        {fmt::format("phi-{}", n + 1), "final φ of " + flows[n].name, grey_picture(flows[n].result.phi)});
+  return study;
+}
+
+}  // namespace heart::study

@@ -1,0 +1,110 @@
+#include "generator/lattice/complex.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "generator/lattice/quality.hpp"
+#include "generator/lattice/ring.hpp"
+#include "lattice/shapes.hpp"
+
+namespace {
+
+using namespace heart;
+using namespace heart::testing;
+
+// `count` cells around the edge from node 0 to node 1, closed.
+Complex wheel(int count) {
+  Complex c;
+  c.nodes_mm = {{0, 0, -1}, {0, 0, 1}};
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * i / count;
+    c.nodes_mm.push_back({std::cos(angle), std::sin(angle), 0});
+  }
+  for (int i = 0; i < count; ++i) c.cells.push_back({0, 1, 2 + i, 2 + (i + 1) % count});
+  c.touches.assign(c.nodes_mm.size(), 0);
+  c.spacing_mm.assign(c.nodes_mm.size(), 1);
+  c.label.assign(c.cells.size(), 1);
+  lattice::connect(c);
+  return c;
+}
+
+TEST(Quality, RegularFlatAndInvertedCells) {
+  const Vec3 a{1, 1, 1}, b{1, -1, -1}, c{-1, 1, -1}, d{-1, -1, 1};
+  EXPECT_NEAR(lattice::cell_quality(b, a, c, d), lattice::obtuse_weight, 1e-12) << "nothing acute below: the cap";
+  EXPECT_LT(lattice::cell_quality(a, b, c, d), 0);
+  EXPECT_NEAR(lattice::cell_quality({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}), 0, 1e-8);
+}
+
+TEST(Quality, IsTheWorstWeightedSineOfTheDihedralAngles) {
+  std::mt19937 random(7);
+  const auto number = [&] { return static_cast<double>(random() % 2001) / 1000 - 1; };
+  for (int round = 0; round < 200; ++round) {
+    std::array<Vec3, 4> p;
+    for (auto& q : p) q = {number(), number(), number()};
+    if (dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) < 0) std::swap(p[2], p[3]);
+    double worst = lattice::obtuse_weight;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        std::size_t k = 0;
+        while (k == i || k == j) ++k;
+        const std::size_t l = 6 - i - j - k;
+        const Vec3 along = normalized(p[j] - p[i]);
+        const auto across = [&](std::size_t to) {
+          const Vec3 v = p[to] - p[i];
+          return normalized(v - dot(v, along) * along);
+        };
+        const double angle = std::acos(std::clamp(dot(across(k), across(l)), -1.0, 1.0));
+        const bool obtuse = angle > 0.5 * std::numbers::pi;
+        worst = std::min(worst, (obtuse ? lattice::obtuse_weight : 1) * std::sin(angle));
+      }
+    EXPECT_NEAR(lattice::cell_quality(p[0], p[1], p[2], p[3]), worst, 1e-6);
+  }
+}
+
+TEST(Complex, OthersMakeAPositiveCell) {
+  const Cell cell{10, 11, 12, 13};
+  std::map<std::int32_t, Vec3> p{{10, {0, 0, 0}}, {11, {1, 0, 0}}, {12, {0, 1, 0}}, {13, {0, 0, 1}}};
+  for (const auto a : cell)
+    for (const auto b : cell) {
+      if (a == b) continue;
+      const auto [c, d] = lattice::others(cell, a, b);
+      EXPECT_GT(dot(p[b] - p[a], cross(p[c] - p[a], p[d] - p[a])), 0) << a << " " << b;
+    }
+}
+
+TEST(Complex, RingOfAnInnerAndOfAnOuterEdge) {
+  const auto c = wheel(6);
+  const auto ring = lattice::ring_around(c, 0, 1);
+  EXPECT_EQ(ring.size, 6U);
+  EXPECT_FALSE(ring.is_open);
+  EXPECT_EQ(ring.arc_count, 1U);
+  const auto outer = lattice::ring_around(c, 0, 2);
+  EXPECT_EQ(outer.size, 2U);
+  EXPECT_TRUE(outer.is_open);
+}
+
+TEST(Complex, RingStartsWhereALabelStarts) {
+  auto c = wheel(7);
+  for (const std::size_t i : {2U, 3U, 4U}) c.label[i] = 2;
+  const auto ring = lattice::ring_around(c, 0, 1);
+  ASSERT_EQ(ring.arc_count, 2U);
+  const int first = c.label_of(ring.cells[0]);
+  for (std::size_t i = 0; i < ring.size; ++i)
+    EXPECT_EQ(c.label_of(ring.cells[i]), i < ring.arcs[1] ? first : 3 - first);
+}
+
+TEST(Complex, StarsFollowAddedAndRemovedCells) {
+  auto c = wheel(5);
+  for (int round = 0; round < 3; ++round)
+    for (int i = 0; i < 5; ++i) {
+      const Cell cell = c.cell(i);
+      lattice::remove_cell(c, i);
+      EXPECT_EQ(c.star(0).size(), 4U);
+      EXPECT_EQ(lattice::add_cell(c, cell, 1), i) << "free places are used again";
+    }
+  EXPECT_EQ(c.star(0).size(), 5U);
+  for (std::int32_t n = 2; n < 7; ++n) EXPECT_EQ(c.star(n).size(), 2U);
+}
+
+}  // namespace

@@ -1,0 +1,237 @@
+// Whole meshes of analytic materials: bounds of angles, topology, volumes, surfaces, the same bits.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+#include <random>
+
+#include "generator/lattice/balance.hpp"
+#include "generator/lattice/feature.hpp"
+#include "generator/parallel/threads.hpp"
+#include "lattice/shapes.hpp"
+
+namespace {
+
+using namespace heart;
+using namespace heart::testing;
+
+Fields ball(double radius, const Vec3& center = {}) {
+  return {[](const Vec3&) { return 0.0; }, [=](const Vec3& p) { return radius - norm(p - center); }};
+}
+
+// A ball of four materials that meet along curves and in a point, with curved interfaces.
+Fields four_in_a_ball() {
+  return {[](const Vec3& p) { return 4 * norm(p) - 32; }, [](const Vec3& p) { return p.x + 1.8 * std::sin(p.y / 4); },
+          [](const Vec3& p) { return -0.5 * p.x + 0.8 * p.y; },
+          [](const Vec3& p) { return -0.5 * p.x - 0.8 * p.y + 0.3 * p.z; },
+          [](const Vec3& p) { return 0.4 * norm(p) - 3; }};
+}
+
+void expect_angles(const Complex& c, double least, double most) {
+  const auto range = dihedral_range(c);
+  EXPECT_GE(range[0], least);
+  EXPECT_LE(range[1], most);
+  EXPECT_GT(least_volume(c), 0);
+}
+
+// One material: the finer bounds are worth any effort.
+lattice::RepairSettings thorough() {
+  lattice::RepairSettings settings;
+  settings.least = settings.goal;
+  return settings;
+}
+
+// Distance of each constrained node to its surfaces, in lattice widths.
+double farthest_node(const Complex& c, const Materials& m) {
+  double farthest = 0;
+  for (std::size_t n = 0; n < c.nodes_mm.size(); ++n)
+    if (lattice::is_constrained(c.touches[n]))
+      farthest = std::max(farthest, lattice::distance_to(lattice::feature_at(m, c.touches[n], c.nodes_mm[n])) /
+                                        static_cast<double>(c.spacing_mm[n]));
+  return farthest;
+}
+
+TEST(LatticeMesh, BallHasGoodAnglesItsVolumeAndOneClosedSurface) {
+  const auto m = materials_of(ball(12), 14, 1);
+  const auto [c, below] = mesh_of(m, thorough());
+  EXPECT_EQ(below, 0);
+  expect_angles(c, 30, 143);
+  EXPECT_EQ(defects(c), 0);
+  const double exact = 4.0 / 3 * std::numbers::pi * 12 * 12 * 12;
+  EXPECT_NEAR(volume_of(c, 1), exact, 0.003 * exact) << "chords of length 1 take 3/12 of 1/12^2 away";
+  EXPECT_LT(farthest_node(c, m), 0.05);
+}
+
+TEST(LatticeMesh, BalancingSetsTheVolumeRightAndKeepsTheAngles) {
+  const auto m = materials_of(ball(8), 10, 1.5);
+  auto c = mesh_of(m, thorough()).complex;
+  const double exact = 4.0 / 3 * std::numbers::pi * 8 * 8 * 8;
+  const double before = std::abs(volume_of(c, 1) - exact);
+  lattice::balance_surfaces(c, m, 0.49);
+  EXPECT_LT(std::abs(volume_of(c, 1) - exact), 0.4 * before);
+  EXPECT_NEAR(volume_of(c, 1), exact, 0.004 * exact);
+  expect_angles(c, 29, 145);
+}
+
+TEST(LatticeMesh, TouchesAreTheLabelsOfTheCells) {
+  const auto [c, below] = mesh_of(materials_of(four_in_a_ball(), 14, 1.2));
+  std::vector<LabelBits> expected(c.nodes_mm.size(), 0);
+  for (std::size_t i = 0; i < c.cells.size(); ++i)
+    for (const auto n : c.cells[i]) expected[static_cast<std::size_t>(n)] |= lattice::bit_of(c.label[i]);
+  for (const auto& [face, count] : face_counts(c.cells))
+    for (const auto n : face)
+      if (count == 1) expected[static_cast<std::size_t>(n)] |= lattice::bit_of(0);
+  // A node may have left a label behind in an exchange, but never touches one that it does not know.
+  std::size_t more = 0;
+  for (std::size_t n = 0; n < expected.size(); ++n) {
+    EXPECT_EQ(expected[n] & ~c.touches[n], 0U) << n;
+    more += expected[n] != c.touches[n];
+  }
+  EXPECT_LT(more, expected.size() / 500);
+}
+
+TEST(LatticeMesh, SeveralMaterialsMeetConforming) {
+  const auto m = materials_of(four_in_a_ball(), 14, 1);
+  const auto [c, below] = mesh_of(m);
+  expect_angles(c, 25, 145);
+  EXPECT_EQ(defects(c), 0);
+  int curve_nodes = 0;
+  for (const auto bits : c.touches) curve_nodes += std::popcount(bits) >= 3;
+  EXPECT_GT(curve_nodes, 50);
+  EXPECT_LT(farthest_node(c, m), 0.3);
+  // Volumes against counting on a fine grid.
+  constexpr double step = 0.2;
+  std::array<double, 5> counted{};
+  for (double z = -14 + step / 2; z < 14; z += step)
+    for (double y = -14 + step / 2; y < 14; y += step)
+      for (double x = -14 + step / 2; x < 14; x += step)
+        counted[static_cast<std::size_t>(m.label_at({x, y, z}))] += step * step * step;
+  for (int label = 1; label < 5; ++label)
+    EXPECT_NEAR(volume_of(c, label), counted[static_cast<std::size_t>(label)],
+                0.01 * counted[static_cast<std::size_t>(label)] + 2)
+        << label;
+}
+
+TEST(LatticeMesh, GradedLatticeKeepsTheBounds) {
+  auto m = materials_of(four_in_a_ball(), 14, 1);
+  m.edge_mm = [](const Vec3& p) { return 0.8 + 0.25 * std::max(0.0, p.z + 6); };
+  const auto [c, below] = mesh_of(m);
+  expect_angles(c, 25, 145);
+  EXPECT_EQ(defects(c), 0);
+  const auto [finest, coarsest] = std::minmax_element(c.spacing_mm.begin(), c.spacing_mm.end());
+  EXPECT_GT(*coarsest, 1.5F * *finest);
+}
+
+TEST(LatticeMesh, SidesOfTheBoxCutFlat) {
+  // A ball that sticks out of the box through all six sides.
+  const auto m = materials_of(ball(13), 10, 1.1);
+  const auto [c, below] = mesh_of(m, thorough());
+  expect_angles(c, 30, 143);
+  EXPECT_EQ(defects(c), 0);
+  double on_sides = 0;
+  for (const auto& [face, count] : face_counts(c.cells)) {
+    if (count != 1) continue;
+    const LabelBits sides = c.bits(face[0]) & c.bits(face[1]) & c.bits(face[2]) & lattice::side_bits;
+    if (sides != 0) on_sides += 0.5 * norm(cross(c.at(face[1]) - c.at(face[0]), c.at(face[2]) - c.at(face[0])));
+  }
+  const double exact = 6 * std::numbers::pi * (13.0 * 13 - 10 * 10);
+  EXPECT_NEAR(on_sides, exact, 0.02 * exact);
+  for (std::size_t n = 0; n < c.nodes_mm.size(); ++n)
+    for (int side = 0; side < 6; ++side)
+      if ((c.touches[n] & lattice::bit_of(lattice::first_side + side)) != 0) {
+        EXPECT_EQ(c.nodes_mm[n][side / 2], side % 2 == 0 ? -10 : 10);
+      }
+}
+
+TEST(LatticeMesh, ThinShellKeepsItsTopology) {
+  // A wall of 1.6 edges between two materials and the outside.
+  const Fields fields{[](const Vec3& p) { return norm(p) - 10.6; }, [](const Vec3& p) { return 9 - norm(p); },
+                      [](const Vec3& p) { return 0.5 * (0.8 - std::abs(norm(p) - 9.8)); }};
+  const auto [c, below] = mesh_of(materials_of(fields, 12, 1));
+  expect_angles(c, 25, 145);
+  EXPECT_EQ(defects(c), 0);
+  std::vector<Cell> wall;
+  for (std::size_t i = 0; i < c.cells.size(); ++i)
+    if (c.label[i] == 2) wall.push_back(c.cells[i]);
+  std::int64_t nodes = 0, edges = 0, faces = 0;
+  std::map<std::int32_t, int> node_seen;
+  std::map<std::pair<std::int32_t, std::int32_t>, int> edge_seen;
+  for (const auto& [face, count] : face_counts(wall)) {
+    if (count != 1) continue;
+    ++faces;
+    for (std::size_t i = 0; i < 3; ++i) {
+      nodes += node_seen[face[i]]++ == 0;
+      edges += edge_seen[std::minmax(face[i], face[(i + 1) % 3])]++ == 0;
+    }
+  }
+  EXPECT_EQ(nodes - edges + faces, 4) << "two spheres: no hole in the wall";
+}
+
+TEST(LatticeMesh, RepairNeverLowersTheWorstCell) {
+  const auto m = materials_of(four_in_a_ball(), 14, 1.2);
+  auto c = lattice::stuff(m, {});
+  lattice::derive_touches(c);
+  lattice::compress(c);
+  double before = 1;
+  for (const auto q : c.quality) before = std::min(before, static_cast<double>(q));
+  for (int sweeps = 1; sweeps <= 3; ++sweeps) {
+    lattice::RepairSettings settings;
+    settings.sweeps = sweeps;
+    auto repaired = c;
+    lattice::repair(repaired, m, settings);
+    double after = 1;
+    for (std::size_t i = 0; i < repaired.cells.size(); ++i)
+      if (repaired.cells[i][0] >= 0) after = std::min(after, lattice::quality(repaired, repaired.cells[i]));
+    EXPECT_GE(after, before - 1e-6) << sweeps;
+    EXPECT_EQ(defects(repaired), 0);
+  }
+}
+
+TEST(LatticeMesh, SameBitsForAnyNumberOfThreads) {
+  const auto m = materials_of(four_in_a_ball(), 14, 1.5);
+  const int threads = parallel::thread_count();
+  parallel::set_thread_count(1);
+  const auto one = mesh_of(m).complex;
+  for (const int count : {2, 3}) {
+    parallel::set_thread_count(count);
+    const auto more = mesh_of(m).complex;
+    EXPECT_EQ(one.nodes_mm, more.nodes_mm);
+    EXPECT_EQ(one.cells, more.cells);
+    EXPECT_EQ(one.label, more.label);
+  }
+  parallel::set_thread_count(threads);
+}
+
+TEST(LatticeMesh, NothingInsideGivesNothing) {
+  const auto [c, below] = mesh_of(materials_of(ball(-1), 6, 1));
+  EXPECT_TRUE(c.cells.empty());
+  EXPECT_TRUE(c.nodes_mm.empty());
+}
+
+// Walls of random thickness around two pools, in random poses, with bumps: what nobody looked at.
+class RandomWalls : public ::testing::TestWithParam<int> {};
+
+TEST_P(RandomWalls, MeetTheBounds) {
+  std::mt19937 random(static_cast<std::uint32_t>(GetParam()));
+  const auto number = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() % 10000) / 10000;
+  };
+  const double wall = number(1.5, 5), bump = number(0, 0.5), wave = number(0.3, 0.8);
+  const Vec3 shift{number(-1, 1), number(-1, 1), number(-1, 1)}, turn{number(-1, 1), number(-1, 1), number(-1, 1)};
+  const auto left = [=](const Vec3& p) {
+    const Vec3 q = p - shift + cross(turn, p) * 0.3;
+    return 7 - std::sqrt(q.x * q.x + 0.6 * q.y * q.y + 0.8 * q.z * q.z) +
+           bump * std::sin(wave * p.x) * std::sin(wave * p.y + 1) * std::sin(wave * p.z);
+  };
+  const auto right = [=](const Vec3& p) { return 5 - norm(p - shift - Vec3{9 + 0.5 * wall, 2, 0}); };
+  const Fields fields{[=](const Vec3& p) { return -2 * (std::max(left(p), right(p)) + wall); },
+                      [=](const Vec3& p) { return 2 * left(p); }, [=](const Vec3& p) { return 2 * right(p); },
+                      [](const Vec3&) { return 0.0; }};
+  const auto [c, below] = mesh_of(materials_of(fields, 20, 1.2));
+  expect_angles(c, 25, 145);
+  EXPECT_EQ(defects(c), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomWalls, ::testing::Range(1, 7));
+
+}  // namespace

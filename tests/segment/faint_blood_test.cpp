@@ -1,0 +1,141 @@
+#include "generator/segment/faint_blood.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "generator/segment/vessel_ends.hpp"
+
+namespace heart::segment {
+namespace {
+
+constexpr double muscle_hu = 110, fat_hu = -90, left_hu = 400;
+const Vec3 lv{-26, 0, 0}, pool{12, 0, 0};
+constexpr double lv_radius_mm = 15, lv_wall_mm = 9, pool_radius_mm = 18, free_wall_mm = 3.5;
+
+/// A ball of left blood in a ball of muscle, beside a ball of blood in a wall of 3.5 mm, all in fat. The wall between
+/// the two balls of blood is thinner than the left one's elsewhere: nothing known tells the pool's radius there.
+struct Scene {
+  Volume<float> hu;
+  Mask lv, other_left, truth, compartment, nowhere;
+};
+
+Scene make_scene(double blood_hu, double noise_hu) {
+  Grid grid;
+  grid.size = {100, 64, 64};
+  grid.origin_mm = {-60, -32, -32};
+  Scene scene{Volume<float>(grid), Mask(grid), Mask(grid), Mask(grid), Mask(grid), Mask(grid)};
+  std::uint32_t state = 2024;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i, ++v) {
+        const Vec3 p = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        const double from_lv = norm(p - lv), from_pool = norm(p - pool);
+        const bool muscle = from_lv < lv_radius_mm + lv_wall_mm || from_pool < pool_radius_mm + free_wall_mm;
+        scene.lv.voxels[v] = from_lv < lv_radius_mm;
+        scene.truth.voxels[v] = from_pool < pool_radius_mm && from_lv > lv_radius_mm + lv_wall_mm;
+        scene.compartment.voxels[v] = from_pool < pool_radius_mm - 3;
+        state = state * 1664525U + 1013904223U;
+        const double noise = (static_cast<double>(state >> 8U) / 16777216.0 - 0.5) * std::sqrt(12.0) * noise_hu;
+        const double grey = scene.lv.voxels[v]      ? left_hu
+                            : scene.truth.voxels[v] ? blood_hu
+                            : muscle                ? muscle_hu
+                                                    : fat_hu;
+        scene.hu.voxels[v] = static_cast<float>(grey + noise);
+      }
+  return scene;
+}
+
+struct Found {
+  FaintContrast contrast;
+  Volume<float> blood;
+  double dice = 0, lv_wall_mm = 0;
+};
+
+Found find(const Scene& scene) {
+  const auto walls = measure_walls(scene.hu, scene.lv, scene.other_left, muscle_hu);
+  const auto space = usual_cavity(walls, scene.nowhere);
+  Found found;
+  found.lv_wall_mm = walls.lv_wall_mm;
+  found.contrast = measure_faint_contrast(scene.hu, walls, space, scene.compartment);
+  found.blood = faint_blood(scene.hu, walls, space, scene.compartment, found.contrast);
+  double both = 0, sum = 0;
+  for (std::size_t v = 0; v < scene.truth.voxels.size(); ++v) {
+    const bool blood = found.blood.voxels[v] > 0, truth = scene.truth.voxels[v] != 0;
+    both += blood && truth;
+    sum += blood + truth;
+  }
+  found.dice = 2 * both / sum;
+  return found;
+}
+
+TEST(FaintBlood, MeasuresWallGreyValuesAndNoise) {
+  const Found found = find(make_scene(130, 20));
+  EXPECT_NEAR(found.lv_wall_mm, lv_wall_mm, 1);
+  EXPECT_NEAR(found.contrast.muscle_hu, muscle_hu, 2);
+  EXPECT_NEAR(found.contrast.blood_hu, 130, 2);
+  EXPECT_NEAR(found.contrast.noise_power, 400, 100);  // white noise on voxels of 1 mm³: its variance
+}
+
+struct FaintCase {
+  double contrast_hu, least_dice;
+};
+class FaintContrasts : public ::testing::TestWithParam<FaintCase> {};
+
+TEST_P(FaintContrasts, ShowThePool) {
+  EXPECT_GT(find(make_scene(muscle_hu + GetParam().contrast_hu, 20)).dice, GetParam().least_dice);
+}
+
+// Brighter, darker, and not at all: then the pool is what usual walls leave.
+INSTANTIATE_TEST_SUITE_P(Values, FaintContrasts,
+                         ::testing::Values(FaintCase{-40, 0.97}, FaintCase{-15, 0.93}, FaintCase{0, 0.92},
+                                           FaintCase{15, 0.93}, FaintCase{40, 0.97}));
+
+/// A muscle across the pool, which usual anatomy knows nothing of: half of what was blood is muscle.
+TEST(FaintBlood, TheImageOverrulesUsualAnatomyWhereItIsClear) {
+  Scene scene = make_scene(muscle_hu + 40, 20);
+  const Grid& grid = scene.hu.grid;
+  double half = 0;
+  for (std::size_t v = 0; v < scene.truth.voxels.size(); ++v) {
+    const auto row = static_cast<std::int64_t>(v) / grid.size[0];
+    const bool upper = row / grid.size[1] > 32;
+    if (!scene.truth.voxels[v] || !upper) continue;
+    scene.hu.voxels[v] -= 40;
+    scene.truth.voxels[v] = 0;
+    half += 1;
+  }
+  for (std::size_t v = 0; v < scene.compartment.voxels.size(); ++v)
+    if (static_cast<std::int64_t>(v) / (grid.size[0] * grid.size[1]) > 30) scene.compartment.voxels[v] = 0;
+  ASSERT_GT(half, 5000);
+  EXPECT_GT(find(scene).dice, 0.93);
+}
+
+TEST(CutInferiorCava, ItGoesAndTheRestStays) {
+  Grid grid;
+  grid.size = {60, 60, 90};
+  grid.origin_mm = {-30, -30, -45};
+  Mask atrium(grid);
+  const auto in_tube = [](const Vec3& p, double x, double y) { return std::hypot(p.x - x, p.y - y) < 7; };
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i, ++v) {
+        const Vec3 p = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        const bool cavae = in_tube(p, 0, 8);                               // above and below, behind
+        const bool appendage = in_tube(p, 0, -10) && p.z > 0 && p.z < 30;  // above, in front
+        atrium.voxels[v] = norm(p) < 20 || cavae || appendage;
+      }
+  const Mask cut = cut_inferior_cava(atrium, 0.6, 4);
+  const auto at = [&](double x, double y, double z) {
+    const Vec3 index = index_from_lps(grid, {x, y, z});
+    return cut(std::lround(index.x), std::lround(index.y), std::lround(index.z)) != 0;
+  };
+  EXPECT_TRUE(at(0, 8, -17));
+  EXPECT_FALSE(at(0, 8, -28));
+  EXPECT_TRUE(at(0, 8, 28));
+  EXPECT_TRUE(at(0, -10, 28));
+}
+
+}  // namespace
+}  // namespace heart::segment

@@ -1,0 +1,59 @@
+#include "generator/segment/row_kernels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "generator/segment/chan_vese.hpp"
+#include "generator/segment/filters.hpp"
+#include "generator/segment/minimal_cut.hpp"
+#include "generator/segment/simd.hpp"
+#include "segment/pde_images.hpp"
+
+namespace heart::segment {
+namespace {
+
+using testing::grid_of;
+using testing::slab_of;
+const auto alone = parallel::self();
+
+/// The results of work() with the plain code and with each version that this machine has.
+template <class Work>
+void expect_same_bits(Work&& work) {
+  set_simd_level(Simd::plain);
+  const auto plain = work();
+  for (const Simd level : {Simd::avx2, Simd::avx512}) {
+    set_simd_level(level);
+    EXPECT_EQ(work(), plain) << name_of(simd_level());
+  }
+}
+
+TEST(RowKernels, FiltersHaveTheSameBitsForAnyVectorLength) {
+  for (const Index3 size : {Index3{75, 19, 6}, Index3{70, 31, 1}, Index3{3, 2, 2}})
+    for (const auto& name : filter_names()) {
+      SCOPED_TRACE(name);
+      const auto image = testing::noisy(testing::ball(grid_of(size, {0.7, 0.7, 1.2}), 5), 0.4);
+      const std::map<std::string, double> few = name == "sobolev" || name == "redistance"
+                                                    ? std::map<std::string, double>{}
+                                                    : std::map<std::string, double>{{"iterations", 7}};
+      expect_same_bits([&] { return apply_filter(name, image, few, alone).voxels; });
+    }
+}
+
+TEST(RowKernels, SolversHaveTheSameBitsForAnyVectorLength) {
+  const Grid grid = grid_of({61, 23, 9}, {0.7, 0.7, 1.2});
+  const auto image = testing::noisy(testing::ball(grid, 5), 0.5);
+  const auto domain =
+      testing::volume_of<std::uint8_t>(grid, [](double x, double y, double) { return x + y < 9 ? 1 : 0; });
+  auto weight = image;
+  for (auto& w : weight.voxels) w = 1 / (1 + w * w);
+  const auto state = testing::volume_of<std::uint8_t>(grid, [](double x, double y, double z) {
+    const double r = testing::length(x, y, z);
+    return r < 2 ? 2 : r < 6 ? 1 : 0;
+  });
+  expect_same_bits([&] { return chan_vese(image, domain, {.mu = 0.6}, alone).above.voxels; });
+  expect_same_bits([&] { return minimal_cut(weight, state, {.max_iterations = 40}, alone).u.voxels; });
+}
+
+}  // namespace
+}  // namespace heart::segment

@@ -61,8 +61,8 @@ double depth_at(const HeartModel& model, const Vec3& lps_mm);
 
 /// Unit fibre direction (an axis: its sign carries no meaning) in ventricular muscle and papillary muscles: helix angle
 /// linear in depth from +60 deg (endocardium) to -60 deg (epicardium); papillary muscles along their own axis. Defined
-/// up to 6 mm off the muscle, so that nodes of a slightly displaced mesh can be compared; the zero vector beyond, and in
-/// the fibrous plates at the valves, which labels count as muscle but which have no helix.
+/// up to 6 mm off the muscle, so that nodes of a slightly displaced mesh can be compared; the zero vector beyond, and
+/// in the fibrous plates at the valves, which labels count as muscle but which have no helix.
 Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm);
 
 /// Unit vector of the left ventricle's long axis from apex to base.

@@ -68,6 +68,10 @@ struct Chambers {
   std::optional<segment::FaintContrast> faint;  ///< grey values of a right heart with little contrast
 };
 
+/// A right heart with more contrast than this comes out of the threshold as pools of its own; with less it is searched
+/// for by its usual shape as well.
+constexpr double pool_contrast_hu = 50;
+
 /// One attempt with one local threshold; nothing where the left ventricle has no two neighbours.
 std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   const Mask all_blood = local_blood(scene.image, scene.contrast, fraction);
@@ -84,7 +88,7 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   chambers.labels = label_map(basins, assign_basins(basins, pools, *left, right));
   chambers.axis = find_long_axis(chambers.labels, chambers.image.smooth);
   const double muscle_hu = pools.at(left->ventricle.front()).shell_hu;
-  if (right == 0 || pools.at(right).hu < muscle_hu + segment::faint_contrast_hu)
+  if (right == 0 || pools.at(right).hu < muscle_hu + pool_contrast_hu)
     chambers.faint = add_faint_right_heart(chambers.labels, chambers.image, segment::crop(scene.region, box),
                                            chambers.axis, scene.contrast, muscle_hu);
   chambers.left_of_spine_mm = centre.x - scene.spine.at(centre.z).x;

@@ -76,11 +76,18 @@ std::vector<Disc> discs_in_slice(const CtVolume& ct, std::int64_t k) {
   return discs;
 }
 
+/// The first slice above the left ventricle: round air below it is gas in stomach or bowel.
+std::int64_t slice_above_heart(const CtVolume& ct, const Landmarks& landmarks) {
+  const auto heart = landmarks.seeds_mm.find("lv_blood");
+  if (heart == landmarks.seeds_mm.end()) return 0;
+  return std::max<std::int64_t>(0, std::lround(index_from_lps(ct.grid, heart->second).z) + 1);
+}
+
 /// The longest chain of discs through neighbouring slices, its middle as a voxel. Chains start from the top.
-std::optional<Index3> find_trachea(const CtVolume& ct) {
+std::optional<Index3> find_trachea(const CtVolume& ct, std::int64_t lowest_slice) {
   constexpr double drift_mm = 5;
   std::vector<std::vector<Disc>> chains;
-  for (std::int64_t k = ct.grid.size[2] - 1; k >= 0; --k)
+  for (std::int64_t k = ct.grid.size[2] - 1; k >= lowest_slice; --k)
     for (const Disc& disc : discs_in_slice(ct, k)) {
       const auto follows = [&](const std::vector<Disc>& chain) {
         const Disc& last = chain.back();
@@ -105,7 +112,7 @@ std::optional<Index3> find_trachea(const CtVolume& ct) {
 
 std::optional<Index3> start_voxel(const CtVolume& ct, const Landmarks& landmarks) {
   const auto seed = landmarks.seeds_mm.find("trachea");
-  if (seed == landmarks.seeds_mm.end()) return find_trachea(ct);
+  if (seed == landmarks.seeds_mm.end()) return find_trachea(ct, slice_above_heart(ct, landmarks));
   const Mask air = mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < lumen_hu; });
   return seed_in_mask(ct, air, "trachea", seed->second, 3, "air");
 }

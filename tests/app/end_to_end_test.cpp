@@ -198,10 +198,11 @@ TEST_F(StagesByHand, ChambersFromElsewhereGetTheirWallsFromTheCt) {
   write_recipe("mm_whs.toml", "[labels]\npreset = \"mm_whs\"\n");
   build("mm_whs.toml --labels mm_whs.nrrd --no-cache");
   const LabelVolume result = labels("by_hand/images/labels.nii.gz");
-  for (const auto& [region, value] : values) EXPECT_EQ(dice(result, truth, region), 1) << value;
+  // What is given stays but for islands below a hundredth of their region, which take the label around them.
+  for (const auto& [region, value] : values) EXPECT_GE(dice(result, truth, region), 0.999) << value;
   EXPECT_GE(dice(result, truth, Region::rv_myocardium), 0.7);
   EXPECT_GE(dice(result, truth, Region::lung), 0.95);
-  EXPECT_GE(dice(result, truth, Region::torso), 0.95);
+  EXPECT_GE(dice(result, truth, Region::torso), 0.9);  // what the CT-made lung and bone leave
 }
 
 TEST_F(StagesByHand, LabelsWithoutACt) {

@@ -167,6 +167,23 @@ TEST(Trachea, IsFoundWithAndWithoutASeedAndDoesNotLeak) {
   EXPECT_THROW(segment_trachea(chest.ct, chest.tree, landmarks), UserError);
 }
 
+TEST(Trachea, IsNotTheGasBelowTheHeart) {
+  ToyChest chest = toy_chest();
+  Landmarks landmarks;
+  const Mask without_gas = segment_trachea(chest.ct, chest.tree, landmarks);
+  std::size_t v = 0;  // a longer chain of round air than the trachea's
+  for (std::int64_t k = 0; k < chest.ct.grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < chest.ct.grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < chest.ct.grid.size[0]; ++i, ++v) {
+        const Vec3 p =
+            lps_from_index(chest.ct.grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        if (p.z < 5 && std::hypot(p.x, p.y + 40) < 7) chest.ct.voxels[v] = -1000;
+      }
+  EXPECT_NE(segment_trachea(chest.ct, chest.tree, landmarks).voxels, without_gas.voxels);
+  landmarks.seeds_mm["lv_blood"] = {20, -20, 4};
+  EXPECT_EQ(segment_trachea(chest.ct, chest.tree, landmarks).voxels, without_gas.voxels);
+}
+
 TEST(Vessel, IsCutHalfWayAndALeakIsRefused) {
   Grid grid;
   grid.size = {40, 40, 40};

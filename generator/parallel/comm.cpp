@@ -94,6 +94,17 @@ void broadcast(const Comm& comm, std::vector<std::string>& texts) {
   for (auto& text : texts) broadcast(comm, text);
 }
 
+void send_bytes(int to, const void* bytes, std::size_t count) {
+  for_pieces(static_cast<const char*>(bytes), count,
+             [&](const char* piece, int length) { MPI_Send(piece, length, MPI_BYTE, to, 0, MPI_COMM_WORLD); });
+}
+
+void receive_bytes(int from, void* bytes, std::size_t count) {
+  for_pieces(static_cast<char*>(bytes), count, [&](char* piece, int length) {
+    MPI_Recv(piece, length, MPI_BYTE, from, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  });
+}
+
 void barrier(const Comm& comm) {
   if (comm.size > 1) MPI_Barrier(MPI_COMM_WORLD);
 }
@@ -119,7 +130,7 @@ double sum_by_slice(const Comm& comm, std::span<const double> owned_slice_sums) 
     std::vector<int> counts(ranks), starts(ranks);
     MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
     for (std::size_t r = 1; r < ranks; ++r) starts[r] = starts[r - 1] + counts[r - 1];
-    all.resize(static_cast<std::size_t>(starts.back() + counts.back()));
+    all.resize(static_cast<std::size_t>(starts.back()) + static_cast<std::size_t>(counts.back()));
     MPI_Allgatherv(owned_slice_sums.data(), own, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE,
                    MPI_COMM_WORLD);
   }

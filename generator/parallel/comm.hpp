@@ -60,6 +60,10 @@ void broadcast(const Comm& comm, std::vector<T>& values) {
 void broadcast(const Comm& comm, std::string& text);
 void broadcast(const Comm& comm, std::vector<std::string>& texts);
 
+/// From one rank to another, of any size; the send may wait for the receive. Not collective.
+void send_bytes(int to, const void* bytes, std::size_t count);
+void receive_bytes(int from, void* bytes, std::size_t count);
+
 /// Waits for everybody. @collective
 void barrier(const Comm& comm);
 

@@ -30,7 +30,7 @@ SliceRange owned_slices(std::int64_t slices, const Comm& comm, int rank) {
 }
 
 void exchange_halo_bytes(const Comm& comm, std::int64_t slices, std::int64_t ghosts, std::size_t slice_bytes,
-                         void* slab_bytes) {
+                         void* slab_bytes, const std::function<void()>& meanwhile) {
   const auto own = owned_slices(slices, comm, comm.rank);
   const auto owns = [&](std::int64_t k) { return k >= own.begin && k < own.end; };
   const auto at = [&](std::int64_t k) {
@@ -54,44 +54,33 @@ void exchange_halo_bytes(const Comm& comm, std::int64_t slices, std::int64_t gho
                   MPI_COMM_WORLD, &requests.emplace_back());
     });
   }
+  meanwhile();
   if (!requests.empty()) MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
 void scatter_bytes(const Comm& comm, std::int64_t slices, std::size_t slice_bytes, const void* on_root, void* owned) {
   const auto mine = owned_slices(slices, comm, comm.rank);
   const auto count = static_cast<std::size_t>(mine.end - mine.begin) * slice_bytes;
-  if (!comm.is_root()) {
-    for_pieces(static_cast<char*>(owned), count, [](char* piece, int length) {
-      MPI_Recv(piece, length, MPI_BYTE, 0, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-    });
-    return;
-  }
+  if (!comm.is_root()) return receive_bytes(0, owned, count);
   const auto* source = static_cast<const char*>(on_root);
   if (count) std::memcpy(owned, source, count);
   for (int rank = 1; rank < comm.size; ++rank) {
     const auto range = owned_slices(slices, comm, rank);
-    for_pieces(source + static_cast<std::size_t>(range.begin) * slice_bytes,
-               static_cast<std::size_t>(range.end - range.begin) * slice_bytes,
-               [&](const char* piece, int length) { MPI_Send(piece, length, MPI_BYTE, rank, 0, MPI_COMM_WORLD); });
+    send_bytes(rank, source + static_cast<std::size_t>(range.begin) * slice_bytes,
+               static_cast<std::size_t>(range.end - range.begin) * slice_bytes);
   }
 }
 
 void gather_bytes(const Comm& comm, std::int64_t slices, std::size_t slice_bytes, const void* owned, void* on_root) {
   const auto mine = owned_slices(slices, comm, comm.rank);
   const auto count = static_cast<std::size_t>(mine.end - mine.begin) * slice_bytes;
-  if (!comm.is_root()) {
-    for_pieces(static_cast<const char*>(owned), count,
-               [](const char* piece, int length) { MPI_Send(piece, length, MPI_BYTE, 0, 1, MPI_COMM_WORLD); });
-    return;
-  }
+  if (!comm.is_root()) return send_bytes(0, owned, count);
   auto* target = static_cast<char*>(on_root);
   if (count) std::memcpy(target, owned, count);
   for (int rank = 1; rank < comm.size; ++rank) {
     const auto range = owned_slices(slices, comm, rank);
-    for_pieces(target + static_cast<std::size_t>(range.begin) * slice_bytes,
-               static_cast<std::size_t>(range.end - range.begin) * slice_bytes, [&](char* piece, int length) {
-                 MPI_Recv(piece, length, MPI_BYTE, rank, 1, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-               });
+    receive_bytes(rank, target + static_cast<std::size_t>(range.begin) * slice_bytes,
+                  static_cast<std::size_t>(range.end - range.begin) * slice_bytes);
   }
 }
 

@@ -3,10 +3,12 @@
 // own no slice at all (more ranks than slices): then `count` is 0 and there are no values.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "generator/parallel/comm.hpp"
+#include "generator/parallel/memory.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/volume.hpp"
 
@@ -18,7 +20,7 @@ struct Slab {
   std::int64_t first = 0;   ///< first owned slice
   std::int64_t count = 0;   ///< owned slices
   std::int64_t ghosts = 0;  ///< ghost slices on each side; beyond the image they repeat its border slice
-  std::vector<T> values;    ///< (ghosts + count + ghosts) slices, empty where count is 0
+  Pages<T> values;          ///< (ghosts + count + ghosts) slices, empty where count is 0
 
   std::int64_t slice_size() const { return grid.size[0] * grid.size[1]; }
   std::int64_t end() const { return first + count; }
@@ -64,17 +66,39 @@ Slab<T> make_slab_like(const Slab<U>& like, std::int64_t ghosts, T value = T{}) 
 
 /// Byte versions of the functions below; `slab_bytes` points at the first ghost slice.
 void exchange_halo_bytes(const Comm& comm, std::int64_t slices, std::int64_t ghosts, std::size_t slice_bytes,
-                         void* slab_bytes);
+                         void* slab_bytes, const std::function<void()>& meanwhile);
 void scatter_bytes(const Comm& comm, std::int64_t slices, std::size_t slice_bytes, const void* on_root, void* owned);
 void gather_bytes(const Comm& comm, std::int64_t slices, std::size_t slice_bytes, const void* owned, void* on_root);
 
 /// Fills the ghost slices from the ranks that own them; beyond the image they repeat its border slice (homogeneous
-/// Neumann). @collective
+/// Neumann). `meanwhile` works while the slices travel: it neither reads ghost slices nor writes to the slab.
+/// @collective
 template <class T>
-void exchange_halo(Slab<T>& slab, const Comm& comm) {
-  if (slab.ghosts == 0) return;
+void exchange_halo(
+    Slab<T>& slab, const Comm& comm, const std::function<void()>& meanwhile = [] {}) {
+  if (slab.ghosts == 0) return meanwhile();
   exchange_halo_bytes(comm, slab.grid.size[2], slab.ghosts, static_cast<std::size_t>(slab.slice_size()) * sizeof(T),
-                      slab.values.data());
+                      slab.values.data(), meanwhile);
+}
+
+/// Some rows of some slices, ghost slices included; both ends exclusive, both global.
+struct RowBlock {
+  std::int64_t first_row = 0, end_row = 0;
+  std::int64_t first_slice = 0, end_slice = 0;
+};
+
+/// Rows from one rank's slab to another's; a receive for each send, in the same order. Not collective.
+template <class T>
+void send_rows(const Slab<T>& slab, int to, const RowBlock& block) {
+  for (auto k = block.first_slice; k < block.end_slice; ++k)
+    send_bytes(to, slab.row(block.first_row, k),
+               static_cast<std::size_t>((block.end_row - block.first_row) * slab.grid.size[0]) * sizeof(T));
+}
+template <class T>
+void receive_rows(Slab<T>& slab, int from, const RowBlock& block) {
+  for (auto k = block.first_slice; k < block.end_slice; ++k)
+    receive_bytes(from, slab.row(block.first_row, k),
+                  static_cast<std::size_t>((block.end_row - block.first_row) * slab.grid.size[0]) * sizeof(T));
 }
 
 /// Divides the root's image among the ranks, ghost slices filled. @collective
@@ -99,13 +123,19 @@ Volume<T> gather(const Slab<T>& slab, const Comm& comm) {
   return result;
 }
 
-/// Calls body(j, k) for every owned row (j, k global), rows divided among the threads.
+/// Calls body(j, k) for every row of some slices (j, k global), rows divided among the threads.
 template <class T, class Body>
-void for_rows(const Slab<T>& slab, Body&& body) {
+void for_rows(const Slab<T>& slab, const SliceRange& slices, Body&& body) {
   const auto rows = slab.grid.size[1];
-  parallel_for(slab.first * rows, slab.end() * rows, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(slices.begin * rows, slices.end * rows, [&](std::int64_t begin, std::int64_t end) {
     for (auto row = begin; row < end; ++row) body(row % rows, row / rows);
   });
+}
+
+/// The same for every owned row.
+template <class T, class Body>
+void for_rows(const Slab<T>& slab, Body&& body) {
+  for_rows(slab, SliceRange{slab.first, slab.end()}, body);
 }
 
 /// The sum over the image of row_sum(j, k), a double per row: added row by row, then slice by slice, so it has the

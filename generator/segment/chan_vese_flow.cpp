@@ -8,6 +8,7 @@
 
 #include "generator/segment/flow_kernels.hpp"
 #include "generator/segment/primal_dual.hpp"
+#include "generator/segment/simd.hpp"
 #include "generator/segment/stencil.hpp"
 #include "generator/segment/two_classes.hpp"
 #include "model/error.hpp"
@@ -20,7 +21,7 @@ using parallel::Slab;
 using MaskSlab = Slab<std::uint8_t>;
 
 /// Rows of a tile: three slices of it and the kept coefficients fit the second-level cache.
-constexpr std::int64_t tile_rows = 32;
+constexpr std::int64_t tile_rows = 64;
 
 void check(const ChanVeseFlowSettings& s) {
   const char* where = "chan_vese_flow";
@@ -59,7 +60,7 @@ struct Sweep {
 };
 
 /// The row (j, k); the slice below the slab has no slice below itself, and needs none for its upper faces.
-FlowRow flow_row(const Sweep& s, const Slab<float>& phi, Slab<float>& next, std::int64_t j, std::int64_t k) {
+FlowRow neighbouring_rows(const Sweep& s, const Slab<float>& phi, Slab<float>& next, std::int64_t j, std::int64_t k) {
   const auto lower = std::max(k - 1, s.image.first - 1);
   const auto below = std::max<std::int64_t>(j - 1, 0), above = std::min(j + 1, s.rows() - 1);
   FlowRow row;
@@ -106,22 +107,48 @@ Sweep make_sweep(const Slab<float>& image, const MaskSlab& domain) {
   return {image, domain, {}, image.count ? row_covers(domain) : std::vector<Cover>{}};
 }
 
-/// Face coefficients that a tile keeps; `lower` and `upper` change places from row to row and slice to slice.
-struct TileFaces {
-  std::vector<float> x, speed, lower_y, upper_y, lower_z, upper_z;
+/// What a tile keeps: a row with its ends repeated, and face coefficients; `lower` and `upper` change places from row
+/// to row and slice to slice.
+struct TileRows {
+  std::int64_t nx;
+  parallel::Pages<float> line, x, speed, lower_y, upper_y, lower_z, upper_z;
+  parallel::Pages<std::uint8_t> mask_line;
 
-  TileFaces(std::int64_t nx, std::int64_t rows)
-      : x(static_cast<std::size_t>(nx + 1), 0.0f),
-        speed(static_cast<std::size_t>(nx), 0.0f),
+  TileRows(std::int64_t row_length, std::int64_t rows)
+      : nx(row_length),
+        line(length(nx + 2 * block), 0.0f),
+        x(line),
+        speed(length(nx), 0.0f),
         lower_y(speed),
         upper_y(speed),
-        lower_z(static_cast<std::size_t>(nx * rows), 0.0f),
-        upper_z(lower_z) {}
+        lower_z(length(nx * rows), 0.0f),
+        upper_z(lower_z),
+        mask_line(line.size(), 0) {}
 
-  FaceRow row(std::vector<float>& z, std::int64_t row, std::int64_t nx) {
-    return {x.data() + 1, upper_y.data(), z.data() + row * nx, speed.data()};
+  static std::size_t length(std::int64_t n) { return static_cast<std::size_t>(n); }
+
+  FaceRow faces(parallel::Pages<float>& z, std::int64_t row) {
+    return {x.data() + block, upper_y.data(), z.data() + row * nx, speed.data()};
   }
 };
+
+/// Copies a row to where it has a voxel more at both ends.
+template <class T>
+const T* with_ends(const T* row, parallel::Pages<T>& line, std::int64_t nx) {
+  T* to = line.data() + block;
+  std::copy_n(row, nx, to);
+  to[-1] = row[0];
+  to[nx] = row[nx - 1];
+  return to;
+}
+
+FlowRow flow_row(const Sweep& s, const Slab<float>& phi, Slab<float>& next, TileRows& tile, std::int64_t j,
+                 std::int64_t k) {
+  FlowRow row = neighbouring_rows(s, phi, next, j, k);
+  row.u.u = with_ends(row.u.u, tile.line, tile.nx);
+  if (row.in) row.in = with_ends(row.in, tile.mask_line, tile.nx);
+  return row;
+}
 
 /// Coefficients of the row's upper faces; closed ones where nothing of it is in the domain.
 void fill_faces(const Sweep& s, const FlowRow& row, std::int64_t j, std::int64_t k, const FaceRow& faces) {
@@ -136,28 +163,28 @@ void fill_faces(const Sweep& s, const FlowRow& row, std::int64_t j, std::int64_t
 /// Rows [begin, end) of all slices of the slab.
 void sweep_tile(const Sweep& s, const Slab<float>& phi, Slab<float>& next, std::int64_t begin, std::int64_t end) {
   const auto nx = s.image.grid.size[0];
-  TileFaces faces(nx, end - begin);
+  TileRows tile(nx, end - begin);
   if (s.image.first > 0)
     for (auto j = begin; j < end; ++j) {
       const auto k = s.image.first - 1;
-      fill_faces(s, flow_row(s, phi, next, j, k), j, k, faces.row(faces.lower_z, j - begin, nx));
+      fill_faces(s, flow_row(s, phi, next, tile, j, k), j, k, tile.faces(tile.lower_z, j - begin));
     }
   for (auto k = s.image.first; k < s.image.end(); ++k) {
-    std::ranges::fill(faces.lower_y, 0.0f);
+    std::ranges::fill(tile.lower_y, 0.0f);
     if (begin > 0) {
-      fill_faces(s, flow_row(s, phi, next, begin - 1, k), begin - 1, k, faces.row(faces.upper_z, 0, nx));
-      std::swap(faces.lower_y, faces.upper_y);
+      fill_faces(s, flow_row(s, phi, next, tile, begin - 1, k), begin - 1, k, tile.faces(tile.upper_z, 0));
+      std::swap(tile.lower_y, tile.upper_y);
     }
     for (auto j = begin; j < end; ++j) {
-      const FlowRow row = flow_row(s, phi, next, j, k);
-      const FaceRow upper = faces.row(faces.upper_z, j - begin, nx);
+      const FlowRow row = flow_row(s, phi, next, tile, j, k);
+      const FaceRow upper = tile.faces(tile.upper_z, j - begin);
       fill_faces(s, row, j, k, upper);
       if (s.cover(j, k) != Cover::none)
-        flow_update(row, s.constants, s.image.row(j, k), upper, faces.lower_y.data(),
-                    faces.lower_z.data() + (j - begin) * nx);
-      std::swap(faces.lower_y, faces.upper_y);
+        flow_update(row, s.constants, s.image.row(j, k), upper, tile.lower_y.data(),
+                    tile.lower_z.data() + (j - begin) * nx);
+      std::swap(tile.lower_y, tile.upper_y);
     }
-    std::swap(faces.lower_z, faces.upper_z);
+    std::swap(tile.lower_z, tile.upper_z);
   }
 }
 

@@ -7,10 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "generator/parallel/threads.hpp"
-
 namespace heart::segment {
 namespace {
+
+using parallel::Comm;
+using parallel::Slab;
 
 constexpr float unknown = std::numeric_limits<float>::max();
 
@@ -22,7 +23,7 @@ constexpr double largest_bend = 0.5;
 
 /// A function on a grid, continued linearly beyond the border.
 struct Field {
-  const Volume<float>& values;
+  const Slab<float>& values;
   Vec3 h;
 
   std::int64_t size(std::size_t axis) const { return values.grid.size[axis]; }
@@ -36,7 +37,7 @@ struct Field {
       const std::int64_t inwards = low ? 1 : -1;
       return 2 * (*this)(moved(p, a, inwards)) - (*this)(moved(p, a, 2 * inwards));
     }
-    return values(p[0], p[1], p[2]);
+    return values.row(p[1], p[2])[p[0]];
   }
 
   static Index3 moved(Index3 p, std::size_t axis, std::int64_t step) {
@@ -132,28 +133,27 @@ bool beside_zero(const Field& f, const Index3& p) {
   return false;
 }
 
-/// What the sweeps work on: distances, negative inside, and which of them are kept.
+/// What the sweeps work on: distances, negative inside, and which of them are kept. Second-order differences look two
+/// slices ahead.
 struct Distances {
-  Volume<float> value;
-  Mask kept;
+  Slab<float> value;
+  Slab<std::uint8_t> kept;
 };
 
-Distances start(const Volume<float>& level_set) {
+Distances start(const Slab<float>& level_set) {
   const Field f{level_set, level_set.grid.spacing_mm};
-  Distances d{Volume<float>(level_set.grid), Mask(level_set.grid)};
-  const auto& size = level_set.grid.size;
-  parallel::parallel_for(0, size[1] * size[2], [&](std::int64_t from, std::int64_t to) {
-    for (auto row = from; row < to; ++row)
-      for (std::int64_t i = 0; i < size[0]; ++i) {
-        const Index3 p{i, row % size[1], row / size[1]};
-        double distance = unknown;
-        if (beside_zero(f, p)) {
-          const auto q = quadratic_at(f, p);
-          distance = model_distance(q, f.h).value_or(first_order_distance(f, p, q));
-          d.kept(p[0], p[1], p[2]) = 1;
-        }
-        d.value(p[0], p[1], p[2]) = static_cast<float>(inside(f(p)) ? -distance : distance);
+  Distances d{parallel::make_slab_like<float>(level_set, 2), parallel::make_slab_like<std::uint8_t>(level_set, 0)};
+  parallel::for_rows(level_set, [&](std::int64_t j, std::int64_t k) {
+    for (std::int64_t i = 0; i < level_set.grid.size[0]; ++i) {
+      const Index3 p{i, j, k};
+      double distance = unknown;
+      if (beside_zero(f, p)) {
+        const auto q = quadratic_at(f, p);
+        distance = model_distance(q, f.h).value_or(first_order_distance(f, p, q));
+        d.kept.row(j, k)[i] = 1;
       }
+      d.value.row(j, k)[i] = static_cast<float>(inside(f(p)) ? -distance : distance);
+    }
   });
   return d;
 }
@@ -206,8 +206,8 @@ struct Sweep {
 
 void sweep_row(Distances& d, const Sweep& s, std::int64_t j, std::int64_t k) {
   const auto nx = s.axes[0].size;
-  float* row = &d.value(0, j, k);
-  const std::uint8_t* kept = &d.kept(0, j, k);
+  float* row = d.value.row(j, k);
+  const std::uint8_t* kept = d.kept.row(j, k);
   for (std::int64_t n = 0; n < nx; ++n) {
     const auto i = s.backwards[0] ? nx - 1 - n : n;
     if (kept[i]) continue;
@@ -220,19 +220,64 @@ void sweep_row(Distances& d, const Sweep& s, std::int64_t j, std::int64_t k) {
   }
 }
 
-/// A row needs the rows before it along y and z: rows of one diagonal of the (y, z) plane go together.
-void sweep(Distances& d, const Sweep& s) {
-  const auto ny = s.axes[1].size, nz = s.axes[2].size;
-  for (std::int64_t diagonal = 0; diagonal < ny + nz - 1; ++diagonal)
-    parallel::parallel_for(std::max<std::int64_t>(0, diagonal - ny + 1), std::min(diagonal + 1, nz),
-                           [&](std::int64_t from, std::int64_t to) {
-                             for (auto n = from; n < to; ++n)
-                               sweep_row(d, s, s.backwards[1] ? ny - 1 - (diagonal - n) : diagonal - n,
-                                         s.backwards[2] ? nz - 1 - n : n);
-                           });
+/// A row needs the rows before it along y and z: rows of one diagonal of the (y, z) plane go together. `block`: the
+/// rows and slices to do.
+void sweep_block(Distances& d, const Sweep& s, const parallel::RowBlock& block) {
+  const auto rows = block.end_row - block.first_row, slices = block.end_slice - block.first_slice;
+  for (std::int64_t diagonal = 0; diagonal < rows + slices - 1; ++diagonal)
+    parallel::parallel_for(
+        std::max<std::int64_t>(0, diagonal - rows + 1), std::min(diagonal + 1, slices),
+        [&](std::int64_t from, std::int64_t to) {
+          for (auto n = from; n < to; ++n)
+            sweep_row(d, s, s.backwards[1] ? block.end_row - 1 - (diagonal - n) : block.first_row + (diagonal - n),
+                      s.backwards[2] ? block.end_slice - 1 - n : block.first_slice + n);
+        });
 }
 
-void sweep_all_directions(Distances& d, bool second_order) {
+/// The ranks below and above that own slices; -1 where there is none.
+struct Neighbours {
+  int below = -1, above = -1;
+};
+
+Neighbours neighbours(std::int64_t slices, const Comm& comm) {
+  const auto owns = [&](int rank) {
+    const auto range = parallel::owned_slices(slices, comm, rank);
+    return range.begin < range.end;
+  };
+  Neighbours n;
+  for (int rank = 0; rank < comm.size; ++rank) {
+    if (!owns(rank)) continue;
+    if (rank < comm.rank) n.below = rank;
+    if (rank > comm.rank && n.above < 0) n.above = rank;
+  }
+  return n;
+}
+
+/// Blocks of rows that the ranks do one after the other: a rank begins a block when the rank before it along z has done
+/// it and sent its last two slices. The order of the rows that depend on each other is that of one rank.
+constexpr std::int64_t blocks_of_ranks = 16;
+
+/// @collective
+void sweep(Distances& d, const Sweep& s, const Neighbours& ranks, const Comm& comm) {
+  auto& value = d.value;
+  parallel::exchange_halo(value, comm);
+  if (value.count == 0) return;
+  const int before = s.backwards[2] ? ranks.above : ranks.below, after = s.backwards[2] ? ranks.below : ranks.above;
+  const auto rows = s.axes[1].size, blocks = comm.size > 1 ? std::min(rows, blocks_of_ranks) : 1;
+  for (std::int64_t n = 0; n < blocks; ++n) {
+    const auto b = s.backwards[1] ? blocks - 1 - n : n;
+    const auto rows_of = [&](std::int64_t first_slice, std::int64_t end_slice) {
+      return parallel::RowBlock{rows * b / blocks, rows * (b + 1) / blocks, first_slice, end_slice};
+    };
+    const auto two = [&](std::int64_t first_slice) { return rows_of(first_slice, first_slice + 2); };
+    if (before >= 0) parallel::receive_rows(value, before, two(s.backwards[2] ? value.end() : value.first - 2));
+    sweep_block(d, s, rows_of(value.first, value.end()));
+    if (after >= 0) parallel::send_rows(value, after, two(s.backwards[2] ? value.first : value.end() - 2));
+  }
+}
+
+/// @collective
+void sweep_all_directions(Distances& d, bool second_order, const Comm& comm) {
   const Grid& grid = d.value.grid;
   std::array<Axis, 3> axes{};
   const std::array<std::int64_t, 3> steps{1, grid.size[0], grid.size[0] * grid.size[1]};
@@ -240,28 +285,31 @@ void sweep_all_directions(Distances& d, bool second_order) {
     const double h = grid.spacing_mm[static_cast<int>(a)];
     axes[a] = {steps[a], grid.size[a], 1 / (h * h)};
   }
+  const auto ranks = neighbours(grid.size[2], comm);
   for (unsigned direction = 0; direction < 8; ++direction) {
     const std::array<bool, 3> backwards{(direction & 1) != 0, (direction & 2) != 0, (direction & 4) != 0};
     if (backwards[2] && grid.size[2] == 1) continue;
-    sweep(d, {axes, backwards, second_order});
+    sweep(d, {axes, backwards, second_order}, ranks, comm);
   }
 }
 
 }  // namespace
 
-Volume<float> fast_sweeping(const Volume<float>& level_set) {
+void fast_sweeping(Slab<float>& level_set, const Comm& comm) {
+  parallel::exchange_halo(level_set, comm);
   auto distances = start(level_set);
-  const auto& kept = distances.kept.voxels;
-  if (std::find(kept.begin(), kept.end(), std::uint8_t{1}) == kept.end()) return level_set;
-  for (int round = 0; round < first_order_rounds; ++round) sweep_all_directions(distances, false);
-  for (int round = 0; round < second_order_rounds; ++round) sweep_all_directions(distances, true);
-  return std::move(distances.value);
+  const auto kept = std::ranges::count(distances.kept.owned(), std::uint8_t{1});
+  if (parallel::sum_int64(comm, kept) == 0) return;
+  for (int round = 0; round < first_order_rounds; ++round) sweep_all_directions(distances, false, comm);
+  for (int round = 0; round < second_order_rounds; ++round) sweep_all_directions(distances, true, comm);
+  std::ranges::copy(distances.value.owned(), level_set.owned().begin());
+  parallel::exchange_halo(level_set, comm);
 }
 
-void fast_sweeping(parallel::Slab<float>& level_set, const parallel::Comm& comm) {
-  const auto whole = parallel::gather(level_set, comm);
-  const auto result = parallel::run_on_root(comm, [&] { return fast_sweeping(whole); });
-  level_set = parallel::scatter(result, comm, level_set.ghosts);
+Volume<float> fast_sweeping(const Volume<float>& level_set) {
+  auto slab = parallel::scatter(level_set, parallel::self());
+  fast_sweeping(slab, parallel::self());
+  return parallel::gather(slab, parallel::self());
 }
 
 }  // namespace heart::segment

@@ -17,8 +17,9 @@
 namespace heart::segment {
 
 /// In place: mm, negative inside (where the function is negative), any spacing, 2D and 3D. One ghost slice at least.
-/// Without a zero level the function stays as it is. Root and its threads compute, rows of a diagonal at a time, so the
-/// bits are the same for any number of ranks and threads. @collective
+/// Without a zero level the function stays as it is. Ranks follow each other through blocks of rows, threads through
+/// the rows of a diagonal: each row finds what one thread would find, so the bits are the same for any number of them.
+/// @collective
 void fast_sweeping(parallel::Slab<float>& level_set, const parallel::Comm& comm);
 
 /// The same for a whole function. Not collective.

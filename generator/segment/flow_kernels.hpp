@@ -19,9 +19,12 @@ struct FlowConstants {
   AxisWeights tension;  ///< mu w²
   float time_step;
   LinearForce force;  ///< of the image's grey value, positive where the voxel belongs above
+  float bound =
+      1e6f;  ///< voxels that the level set stays within: where the sides are decided it would grow without end
 };
 
 /// A row of the level set with its neighbours, and the masks of the same voxels (null: the domain has them all).
+/// u.u and `in` have a voxel more at both ends, which repeats the end.
 struct FlowRow {
   StencilRow u;
   const std::uint8_t *in = nullptr, *in_below_j = nullptr, *in_above_j = nullptr, *in_below_k = nullptr,

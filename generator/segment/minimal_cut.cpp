@@ -91,7 +91,7 @@ struct Energies {
 
 /// Σ h |w ∇u| of the present u. `bar` lends its ghost slices to u meanwhile.
 double primal_energy(PrimalDualFields& fields, const Problem& p, const Comm& comm) {
-  std::vector<float> keep = fields.bar.values;
+  auto keep = fields.bar.values;
   std::ranges::copy(fields.u.owned(), fields.bar.owned().begin());
   parallel::exchange_halo(fields.bar, comm);
   const double energy = parallel::sum_rows(fields.u, comm, [&](std::int64_t j, std::int64_t k) {

@@ -44,11 +44,8 @@ HEART_INLINE float evolve(const StencilRow& row, std::int64_t l, std::int64_t i,
 HEART_INLINE void evolve_row_body(const StencilRow& r, const float* sign, const AxisWeights& weights, float time_step) {
   const StencilRow row = r;
   const AxisWeights w = weights;
-  const auto last = row.nx - 1;
-  row.out[0] = evolve(row, 0, 0, last > 0 ? 1 : 0, sign[0], w, time_step);
-  HEART_INDEPENDENT
-  for (std::int64_t i = 1; i < last; ++i) row.out[i] = evolve(row, i - 1, i, i + 1, sign[i], w, time_step);
-  if (last > 0) row.out[last] = evolve(row, last - 1, last, last, sign[last], w, time_step);
+  for_row(row.nx, [&](std::int64_t left, std::int64_t i, std::int64_t right)
+                      HEART_INLINE_LAMBDA { row.out[i] = evolve(row, left, i, right, sign[i], w, time_step); });
 }
 
 void evolve_row(const StencilRow& r, const float* sign, const AxisWeights& weights, float time_step) {

@@ -37,8 +37,17 @@ HEART_INLINE float gradient_norm(const DualRow& row, std::int64_t i, float dx, c
   return std::sqrt(x * x + y * y + z * z);
 }
 
-HEART_INLINE float flux(float difference, float step, float inverse_edge2) {
-  return step * difference / (1.0f + difference * difference * inverse_edge2);
+/// Beyond this many edges, squared, the conductivity falls no more: products of three stay in the range of a float.
+constexpr float most_squared = 1e8f;
+
+/// The sum of the fluxes step d / (1 + d² / edge²) over three faces, with one division for the three.
+HEART_INLINE float fluxes(float x, float y, float z, const AxisWeights& step, float inverse_edge2) {
+  const float a = 1.0f + smaller(x * x * inverse_edge2, most_squared);
+  const float b = 1.0f + smaller(y * y * inverse_edge2, most_squared);
+  const float c = 1.0f + smaller(z * z * inverse_edge2, most_squared);
+  const float bc = b * c;
+  const float inverse = 1.0f / (a * bc);
+  return (step.x * x * inverse) * bc + ((step.y * y * inverse) * (a * c) + (step.z * z * inverse) * (a * b));
 }
 
 }  // namespace
@@ -202,56 +211,38 @@ void divergence_row(const PrimalRow& r, const AxisWeights& weights, float* out) 
 
 namespace {
 
-HEART_INLINE float heat_at(const StencilRow& row, std::int64_t i, float left, float right, const AxisWeights& s) {
+HEART_INLINE float heat_at(const StencilRow& row, std::int64_t left, std::int64_t i, std::int64_t right,
+                           const AxisWeights& s) {
   const float u = row.u[i];
-  return u + s.x * ((left - u) + (right - u)) + s.y * ((row.below_j[i] - u) + (row.above_j[i] - u)) +
+  return u + s.x * ((row.u[left] - u) + (row.u[right] - u)) + s.y * ((row.below_j[i] - u) + (row.above_j[i] - u)) +
          s.z * ((row.below_k[i] - u) + (row.above_k[i] - u));
 }
 
-HEART_INLINE float perona_malik_at(const StencilRow& row, std::int64_t i, float left, float right, const AxisWeights& s,
-                                   float e) {
+HEART_INLINE float perona_malik_at(const StencilRow& row, std::int64_t left, std::int64_t i, std::int64_t right,
+                                   const AxisWeights& s, float e) {
   const float u = row.u[i];
-  return u + (flux(left - u, s.x, e) + flux(right - u, s.x, e)) +
-         (flux(row.below_j[i] - u, s.y, e) + flux(row.above_j[i] - u, s.y, e)) +
-         (flux(row.below_k[i] - u, s.z, e) + flux(row.above_k[i] - u, s.z, e));
+  return u + (fluxes(row.u[left] - u, row.below_j[i] - u, row.below_k[i] - u, s, e) +
+              fluxes(row.u[right] - u, row.above_j[i] - u, row.above_k[i] - u, s, e));
 }
 
-}  // namespace
-
-namespace {
 HEART_INLINE void heat_row_body(const StencilRow& r, const AxisWeights& step) {
   const StencilRow row = r;
   const AxisWeights s = step;
-  const auto last = row.nx - 1;
-  if (last == 0) {
-    row.out[0] = heat_at(row, 0, row.u[0], row.u[0], s);
-    return;
-  }
-  row.out[0] = heat_at(row, 0, row.u[0], row.u[1], s);
-  HEART_INDEPENDENT
-  for (std::int64_t i = 1; i < last; ++i) row.out[i] = heat_at(row, i, row.u[i - 1], row.u[i + 1], s);
-  row.out[last] = heat_at(row, last, row.u[last - 1], row.u[last], s);
+  for_row(row.nx, [&](std::int64_t left, std::int64_t i, std::int64_t right)
+                      HEART_INLINE_LAMBDA { row.out[i] = heat_at(row, left, i, right, s); });
 }
-}  // namespace
 
-void heat_row(const StencilRow& r, const AxisWeights& step) { vectorised<heat_row_body>(r, step); }
-
-namespace {
 HEART_INLINE void perona_malik_row_body(const StencilRow& r, const AxisWeights& step, float inverse_edge2) {
   const StencilRow row = r;
   const AxisWeights s = step;
   const float e = inverse_edge2;
-  const auto last = row.nx - 1;
-  if (last == 0) {
-    row.out[0] = perona_malik_at(row, 0, row.u[0], row.u[0], s, e);
-    return;
-  }
-  row.out[0] = perona_malik_at(row, 0, row.u[0], row.u[1], s, e);
-  HEART_INDEPENDENT
-  for (std::int64_t i = 1; i < last; ++i) row.out[i] = perona_malik_at(row, i, row.u[i - 1], row.u[i + 1], s, e);
-  row.out[last] = perona_malik_at(row, last, row.u[last - 1], row.u[last], s, e);
+  for_row(row.nx, [&](std::int64_t left, std::int64_t i, std::int64_t right)
+                      HEART_INLINE_LAMBDA { row.out[i] = perona_malik_at(row, left, i, right, s, e); });
 }
+
 }  // namespace
+
+void heat_row(const StencilRow& r, const AxisWeights& step) { vectorised<heat_row_body>(r, step); }
 
 void perona_malik_row(const StencilRow& r, const AxisWeights& step, float inverse_edge2) {
   vectorised<perona_malik_row_body>(r, step, inverse_edge2);

@@ -72,7 +72,7 @@ struct StencilRow {
 /// out = u + step-weighted Laplacian; neighbours beyond the row's ends count as equal.
 void heat_row(const StencilRow& row, const AxisWeights& step);
 
-/// out = u + sum over the faces of step c(d) d with c(d) = 1 / (1 + d² inverse_edge2).
+/// out = u + sum over the faces of step c(d) d with c(d) = 1 / (1 + d² inverse_edge2), at least 1e-8.
 void perona_malik_row(const StencilRow& row, const AxisWeights& step, float inverse_edge2);
 
 }  // namespace heart::segment

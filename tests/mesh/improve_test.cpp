@@ -12,6 +12,7 @@
 #include "generator/mesh/quality.hpp"
 #include "generator/mesh/settle_labels.hpp"
 #include "generator/mesh/surfaces.hpp"
+#include "support/diced_cubes.hpp"
 
 namespace {
 
@@ -26,28 +27,12 @@ struct Labelled {
 // n × n × n cubes of six cells each, with label 1 below `split` layers and 2 above, and a rim of label 0 around.
 Labelled cube(int n, int split) {
   Labelled mesh;
-  const auto id = [n](int i, int j, int k) { return static_cast<std::int32_t>((k * (n + 1) + j) * (n + 1) + i); };
-  for (int k = 0; k <= n; ++k)
-    for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i)
-        mesh.nodes.push_back({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-  constexpr std::array<std::array<std::size_t, 3>, 6> orders{
-      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+  mesh.nodes = heart::testing::cube_corners(n);
   const auto outside = [n](int i) { return i == 0 || i == n - 1; };
-  for (int k = 0; k < n; ++k)
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i)
-        for (std::size_t order = 0; order < 6; ++order) {
-          std::array<int, 3> at{i, j, k};
-          Cell cell{id(i, j, k), 0, 0, 0};
-          for (std::size_t step = 0; step < 3; ++step) {
-            ++at[orders[order][step]];
-            cell[step + 1] = id(at[0], at[1], at[2]);
-          }
-          if (order >= 3) std::swap(cell[2], cell[3]);
-          mesh.cells.push_back(cell);
-          mesh.label.push_back(outside(i) || outside(j) || outside(k) ? 0 : k < split ? 1 : 2);
-        }
+  heart::testing::dice_cubes(n, [&](const Cell& cell, int i, int j, int k) {
+    mesh.cells.push_back(cell);
+    mesh.label.push_back(outside(i) || outside(j) || outside(k) ? 0 : k < split ? 1 : 2);
+  });
   return mesh;
 }
 

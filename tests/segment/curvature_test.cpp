@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "model/error.hpp"
 #include "segment/pde_images.hpp"
 
@@ -46,6 +48,23 @@ TEST(CurvatureMotion, LeavesPlanesAndFlatImagesAlone) {
   curvature_motion(constant, {3, 0.1}, alone);
   for (const float v : constant.owned()) EXPECT_FLOAT_EQ(v, 7.0f);
   EXPECT_THROW(curvature_motion(constant, {3, 0}, alone), UserError);
+}
+
+/// The level sets of a peak are closed curves: each vanishes once its area is used up, 2 pi of it per unit of time.
+TEST(CurvatureMotion, SinksPeaksAndBarsOneVoxelWide) {
+  const auto highest = [](const Volume<float>& image, int iterations) {
+    auto slab = testing::slab_of(image);
+    curvature_motion(slab, {iterations, 0.1}, alone);
+    return *std::ranges::max_element(slab.owned());
+  };
+  for (const Index3 size : {Index3{15, 13, 1}, Index3{15, 13, 11}}) {
+    Volume<float> peak(grid_of(size), 10.0f);
+    peak(7, 6, size[2] / 2) = 110;
+    EXPECT_LT(highest(peak, 10), 15) << size[2];
+  }
+  Volume<float> bar(grid_of({31, 15, 1}), 0.0f);
+  for (std::int64_t i = 10; i < 19; ++i) bar(i, 7, 0) = 100;  // its level sets: at most 9 voxels, gone after 15 steps
+  EXPECT_LT(highest(testing::noisy(bar, 5), 60), 15);
 }
 
 }  // namespace

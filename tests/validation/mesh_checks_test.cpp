@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/labels.hpp"
+#include "support/diced_cubes.hpp"
 #include "validation/cell_quality.hpp"
 #include "validation/mesh_topology.hpp"
 
@@ -56,28 +57,11 @@ TetMesh regular() {
   return mesh;
 }
 
-// A cube of n × n × n smaller cubes of six cells each (Kuhn): dihedral angles 45, 60 and 90 degrees.
 TetMesh cube(int n) {
   TetMesh mesh;
-  const auto id = [n](int i, int j, int k) { return static_cast<std::int32_t>((k * (n + 1) + j) * (n + 1) + i); };
-  for (int k = 0; k <= n; ++k)
-    for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i) mesh.nodes_mm.push_back({double(i), double(j), double(k)});
-  const int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-  for (int k = 0; k < n; ++k)
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i)
-        for (int order = 0; order < 6; ++order) {
-          int at[3] = {i, j, k};
-          Cell cell{id(i, j, k), 0, 0, 0};
-          for (std::size_t step = 0; step < 3; ++step) {
-            ++at[orders[order][step]];
-            cell[step + 1] = id(at[0], at[1], at[2]);
-          }
-          if (order >= 3) std::swap(cell[2], cell[3]);
-          mesh.cells.push_back(cell);
-          mesh.region.push_back(1);
-        }
+  mesh.nodes_mm = heart::testing::cube_corners(n);
+  heart::testing::dice_cubes(n, [&](const Cell& cell, int, int, int) { mesh.cells.push_back(cell); });
+  mesh.region.assign(mesh.cells.size(), 1);
   list_faces(mesh);
   return mesh;
 }

@@ -7,13 +7,16 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
+#include "generator/app/accuracy_parts.hpp"
 #include "generator/app/image_stages.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/segment/crop.hpp"
@@ -116,6 +119,10 @@ void compare_maps(const LabelVolume& labels, const LabelVolume& truth, Case& res
   for (const auto& row : validation::compare_labels(mine, reference)) result.fit[row.scope][row.metric] = row.value;
 }
 
+fs::path case_folder(const std::string& keep, const datasets::PhantomSettings& settings) {
+  return fs::path(keep) / fmt::format("variant-{}-noise-{:g}", settings.variant, settings.noise_hu);
+}
+
 void keep_images(const fs::path& folder, const datasets::Phantom& phantom, const LabelVolume& labels) {
   fs::create_directories(folder);
   adapters::write_volume((folder / "ct.nii.gz").string(), phantom.ct);
@@ -148,9 +155,7 @@ Case measure(const datasets::PhantomSettings& settings, const std::string& keep,
     if (comm.is_root()) compare_landmarks(phantom, *found, result);
     const auto labelling = label_ct(run, ct, recipe);
     if (comm.is_root()) compare_maps(*labelling, phantom.labels, result);
-    if (comm.is_root() && !keep.empty())
-      keep_images(fs::path(keep) / fmt::format("variant-{}-noise-{:g}", result.variant, result.noise_hu), phantom,
-                  *labelling);
+    if (comm.is_root() && !keep.empty()) keep_images(case_folder(keep, settings), phantom, *labelling);
   } catch (const UserError& error) {
     result.refusal = error.what();
   }
@@ -217,7 +222,84 @@ Json as_json(const Case& c) {
   return row;
 }
 
+double number(const Json& value) { return value.is_number() ? value.get<double>() : nothing; }
+
+Case case_from_json(const Json& row) {
+  Case c;
+  c.variant = row.at("variant").get<int>();
+  c.noise_hu = number(row.at("noise_hu"));
+  c.right_minus_muscle_hu = number(row.at("right_minus_muscle_hu"));
+  c.refusal = row.at("refusal").get<std::string>();
+  for (const auto& [region, metrics] : row.at("regions").items())
+    for (const auto& [metric, value] : metrics.items()) c.fit[region][metric] = number(value);
+  if (row.contains("valves"))
+    for (const auto& [valve, error] : row.at("valves").items())
+      c.valves[valve] = {number(error.at("center_mm")), number(error.at("normal_deg"))};
+  c.axis_deg = number(row.at("axis_deg"));
+  c.confidence = number(row.at("confidence"));
+  c.seconds = number(row.at("seconds"));
+  c.warnings = row.at("warnings").get<std::vector<std::string>>();
+  return c;
+}
+
+/// What tells one run's phantoms from another's.
+Json grid_of(const datasets::PhantomSettings& settings) {
+  const Vec3& mm = settings.spacing_mm;
+  return {{"size", settings.size}, {"spacing_mm", {mm.x, mm.y, mm.z}}};
+}
+
+void write_case(const fs::path& file, const Case& c, const datasets::PhantomSettings& settings) {
+  fs::create_directories(file.parent_path());
+  Json row = as_json(c);
+  row["grid"] = grid_of(settings);
+  std::ofstream(file) << row.dump(1) << "\n";
+}
+
+/// The row of an earlier run; nothing where there is none, or one of another grid, or one that was cut off.
+std::optional<Case> read_case(const fs::path& file, const datasets::PhantomSettings& settings) {
+  std::ifstream stream(file);
+  if (!stream) return std::nullopt;
+  try {
+    const Json row = Json::parse(stream);
+    if (row.at("grid") != grid_of(settings)) return std::nullopt;
+    return case_from_json(row);
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+/// Measured, or taken from an earlier run. @collective
+Case measured_or_kept(const AccuracyCommand& command, const datasets::PhantomSettings& settings,
+                      const parallel::Comm& comm) {
+  const fs::path file = command.keep.empty() ? fs::path() : case_folder(command.keep, settings) / "case.json";
+  std::optional<Case> kept;
+  bool known = parallel::run_on_root(comm, [&] {
+    if (command.resume) kept = read_case(file, settings);
+    return kept.has_value();
+  });
+  parallel::broadcast(comm, known);
+  if (known) return kept.value_or(Case{});
+  const Case c = measure(settings, command.keep, comm);
+  if (comm.is_root() && !file.empty()) write_case(file, c, settings);
+  return c;
+}
+
+/// The least Dice and the largest distance of each column.
+void print_worst(const std::vector<Case>& cases) {
+  fmt::print("{:>20} |", "worst");
+  for (const Bound& bound : bounds) {
+    double dice = 1, distance = 0;
+    for (const Case& c : cases) {
+      dice = std::fmin(dice, value_of(c, bound.region, "dice"));
+      distance = std::fmax(distance, value_of(c, bound.region, "surface_distance_mean"));
+    }
+    fmt::print(" {:5.3f} {:4.2f}", dice, distance);
+  }
+  fmt::print(" |\n");
+}
+
 void print_summary(const std::vector<Case>& cases) {
+  print_worst(cases);
   std::size_t good = 0;
   for (const Case& c : cases) {
     const auto missed = misses(c);
@@ -233,6 +315,9 @@ void print_summary(const std::vector<Case>& cases) {
 
 int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm) {
   const auto variants = variant_list(command.variants);
+  if (command.of != "chambers") return accuracy_of_part(command, variants, comm);
+  if (command.resume && command.keep.empty())
+    throw UserError("there is nothing to resume", "accuracy --resume", "name the earlier run's folder with --keep");
   datasets::PhantomSettings settings;
   settings.size = command.size;
   settings.spacing_mm = command.spacing_mm;
@@ -245,7 +330,7 @@ int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm)
     for (const int variant : variants) {
       settings.variant = variant;
       settings.noise_hu = noise;
-      cases.push_back(measure(settings, command.keep, comm));
+      cases.push_back(measured_or_kept(command, settings, comm));
       if (table) print_row(cases.back());
     }
   if (table) print_summary(cases);

@@ -13,13 +13,16 @@ struct AccuracyCommand {
   std::vector<double> noise_hu{22};
   Index3 size{256, 256, 160};
   Vec3 spacing_mm{1.4, 1.4, 1.9};
-  std::string keep;  ///< folder for each case's CT, truth and label map; empty: none are written
+  std::string keep;     ///< folder for each case's CT, truth and label map; empty: none are written
+  bool resume = false;  ///< take from `keep` the phantoms that an earlier run with the same grid measured
   bool json = false;
+  std::string of = "chambers";  ///< or a part of accuracy_parts.hpp
 };
 
 /// One row per phantom: Dice and mean surface distance of ventricles and atria, distance and angle of each valve's
-/// plane, angle of the long axis, confidence, seconds; then the rows that miss their bounds and the means. Exit code 3
-/// where a row misses. Throws UserError for variants it cannot read and phantoms out of range. @collective
+/// plane, angle of the long axis, confidence, seconds; then the worst of each and the rows that miss their bounds. Exit
+/// code 3 where a row misses. Throws UserError for variants it cannot read, phantoms out of range, and `resume` without
+/// `keep`. @collective
 int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm);
 
 }  // namespace heart::app

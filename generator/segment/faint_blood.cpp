@@ -1,11 +1,15 @@
 #include "generator/segment/faint_blood.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
-#include "generator/segment/distance.hpp"
+#include "generator/parallel/threads.hpp"
+#include "generator/segment/crop.hpp"
+#include "generator/segment/fast_sweeping.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/total_variation.hpp"
@@ -14,16 +18,16 @@ namespace heart::segment {
 namespace {
 
 constexpr float fat_hu = -90;
-constexpr double smoothing_mm = 1;       // of the image before fat and muscle are told apart
+constexpr double edge_smoothing_mm = 1;  // of the image before fat and muscle are told apart
 constexpr double papillary_mm = 6;       // half the width of the gaps in the left ventricle's blood that are closed
-constexpr double rv_wall_mm = 3.5;       // free wall of an adult's right ventricle, 3 to 4 mm
-constexpr double thin_wall_mm = 2;       // atria, arteries
-constexpr double blurred_mm = 1.8;       // nearer to fat and bright blood the grey value is a mixture
-constexpr double sharp_mm = 3;           // farther from them it is not
-constexpr double wall_weight = 0.02;     // nats per mm³: what usual anatomy says for muscle in the walls
-constexpr double cavity_weight = 0.015;  // and for blood inside, where muscles and the valves' rings are as well
-constexpr double anatomy_slack_mm = 1;   // walls differ from their usual thickness by this
+constexpr double blurred_mm = 1.4;       // nearer to fat and bright blood the grey value is a mixture
+constexpr double sharp_mm = 2.6;         // farther from them it is not
+constexpr double reach_mm = 6;           // from the compartment to the farthest blood
+constexpr double wall_weight = 0.04;     // nats per mm³: what usual anatomy says for muscle in the walls
+constexpr double cavity_weight = 0.03;   // and for blood inside, where muscles and the valves' rings are as well
+constexpr double anatomy_slack_mm = 1;   // walls differ from their mean thickness by this
 constexpr double most_evidence = 1;      // nats per mm³: no single voxel decides alone
+constexpr float nowhere_mm = 1e6F;
 constexpr int sweeps = 200;
 
 double median_of(std::vector<float>& values, double otherwise) {
@@ -39,8 +43,9 @@ double usual_lv_wall(const Volume<float>& from_lv, const Mask& outside) {
   constexpr auto bins = static_cast<std::size_t>(thickest_mm / bin_mm);
   std::vector<double> all(bins, 0), dark(bins, 0);
   for (std::size_t v = 0; v < outside.voxels.size(); ++v) {
-    const auto bin = static_cast<std::size_t>(static_cast<double>(from_lv.voxels[v]) / bin_mm);
-    if (bin >= bins) continue;
+    const double at = static_cast<double>(from_lv.voxels[v]) / bin_mm;
+    if (!(at >= 0 && at < static_cast<double>(bins))) continue;
+    const auto bin = static_cast<std::size_t>(at);
     all[bin] += 1;
     dark[bin] += outside.voxels[v];
   }
@@ -75,10 +80,120 @@ double noise_power(const Volume<float>& hu, const Mask& uniform) {
   return deviation * deviation / (overlap(2 * a * a) - 2 * overlap(a * a + b * b) + overlap(2 * b * b));
 }
 
-/// Nats per mm² of contour: chance agreements of noise (3 standard deviations) in balls of 1.5 mm do not pay.
+/// Nats per mm² of contour. Heights of a surface of stiffness mu vary by sqrt(log(extent / detail) / (2 pi mu)): 0.8 mm
+/// of trabeculae and uneven walls make it 0.4. And chance agreements of noise (4 standard deviations) in single
+/// voxels of 1 mm³ must not pay.
 double contour_cost(double information) {
-  constexpr double least = 0.03;
-  return std::max(0.57 * std::sqrt(information), least);
+  constexpr double stiffness = 0.4, noise_blob = 1.2;
+  return std::max(noise_blob * std::sqrt(information), stiffness);
+}
+
+/// Distance (mm) from where `level` is negative, sub-voxel; negative there.
+Volume<float> distance_from_negative(const Volume<float>& level) {
+  if (std::none_of(level.voxels.begin(), level.voxels.end(), [](float v) { return v < 0; }))
+    return Volume<float>(level.grid, nowhere_mm);
+  return fast_sweeping(level);
+}
+
+/// The mask's voxel-sharp surface is smoothed by less than a voxel.
+Volume<float> distance_from_mask(const Mask& mask) {
+  constexpr double smoothing_voxels = 0.7;
+  Volume<float> level(mask.grid);
+  for (std::size_t v = 0; v < level.voxels.size(); ++v) level.voxels[v] = mask.voxels[v] ? -0.5F : 0.5F;
+  return distance_from_negative(gaussian(level, smoothing_voxels * mask.grid.spacing_mm.x));
+}
+
+/// Nats per mm³ that a grey value speaks for blood.
+double grey_evidence(float hu, const FaintContrast& contrast) {
+  constexpr double least_power = 1;
+  const double difference = contrast.difference_hu(), middle = contrast.muscle_hu + difference / 2;
+  const double evidence = difference * (static_cast<double>(hu) - middle) / std::max(contrast.noise_power, least_power);
+  return std::clamp(evidence, -most_evidence, most_evidence);
+}
+
+/// Nats per mm³ by which the mean grey value of blood speaks for blood.
+double information(const FaintContrast& contrast) {
+  return grey_evidence(static_cast<float>(contrast.blood_hu), contrast);
+}
+
+/// Grey values by distance from where a wall begins.
+struct WallProfile {
+  static constexpr double bin_mm = 0.1, longest_mm = 25;
+  std::vector<double> volume_mm3, sum;  ///< per bin; of grey value times volume
+
+  WallProfile() : volume_mm3(static_cast<std::size_t>(longest_mm / bin_mm), 0), sum(volume_mm3) {}
+  void add(double distance_mm, double hu, double voxel_mm3) {
+    const auto bin = static_cast<std::size_t>(distance_mm / bin_mm);
+    if (bin >= sum.size()) return;
+    volume_mm3[bin] += voxel_mm3;
+    sum[bin] += voxel_mm3 * hu;
+  }
+};
+
+/// The thickness that parts the profile into wall and blood best. Grey values that are not the same everywhere (by
+/// `uneven_hu`) bound what a large shell can say: with hardly any contrast the wall stays near its usual thickness.
+double most_likely_thickness(const WallProfile& profile, const FaintContrast& contrast, double usual_mm) {
+  constexpr double deviation_mm = 0.7, uneven_hu = 1.5, alike_mm = 0.5;
+  const double uneven = uneven_hu * uneven_hu * alike_mm / WallProfile::bin_mm;
+  const double difference = contrast.difference_hu(), middle = contrast.muscle_hu + difference / 2;
+  double best = -std::numeric_limits<double>::infinity(), thickness = usual_mm, beyond = 0;
+  for (std::size_t n = profile.sum.size(); n-- > 0;) {
+    const double volume = profile.volume_mm3[n];
+    if (volume > 0)
+      beyond += difference * (profile.sum[n] / volume - middle) / (contrast.noise_power / volume + uneven);
+    const double at = static_cast<double>(n) * WallProfile::bin_mm, off = (at - usual_mm) / deviation_mm;
+    if (beyond - off * off / 2 <= best) continue;
+    best = beyond - off * off / 2;
+    thickness = at;
+  }
+  return thickness;
+}
+
+/// div(∇f / |∇f|) of the smoothed function, 1/mm; no longer than the gradient where that is short.
+Volume<float> divergence_of_normals(const Volume<float>& function) {
+  constexpr double smoothing_mm = 1;
+  const Volume<float> smooth = gaussian(function, smoothing_mm);
+  const Grid& grid = function.grid;
+  const auto difference = [&](const Volume<float>& f, const Index3& at, std::size_t axis) {
+    Index3 low = at, high = at;
+    low[axis] = std::max<std::int64_t>(low[axis] - 1, 0);
+    high[axis] = std::min(high[axis] + 1, grid.size[axis] - 1);
+    return 0.5 * static_cast<double>(f(high[0], high[1], high[2]) - f(low[0], low[1], low[2])) /
+           grid.spacing_mm[static_cast<int>(axis)];
+  };
+  std::array<Volume<float>, 3> normal = {Volume<float>(grid), Volume<float>(grid), Volume<float>(grid)};
+  Volume<float> divergence(grid);
+  const auto for_each = [&](const auto& body) {
+    parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t k = begin; k < end; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+          for (std::int64_t i = 0; i < grid.size[0]; ++i) body(Index3{i, j, k});
+    });
+  };
+  for_each([&](const Index3& at) {
+    const Vec3 slope{difference(smooth, at, 0), difference(smooth, at, 1), difference(smooth, at, 2)};
+    const double length = std::max(norm(slope), 1.0);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      normal[axis](at[0], at[1], at[2]) = static_cast<float>(slope[static_cast<int>(axis)] / length);
+  });
+  for_each([&](const Index3& at) {
+    double sum = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) sum += difference(normal[axis], at, axis);
+    divergence(at[0], at[1], at[2]) = static_cast<float>(sum);
+  });
+  return divergence;
+}
+
+/// The convex problem on the part of the grid where blood is possible; -1 elsewhere.
+Volume<float> solve(const Volume<float>& evidence, const Mask& possible, double cost) {
+  constexpr std::int64_t margin = 3;
+  Volume<float> result(evidence.grid, -1);
+  const Box box = bounding_box(possible, margin, [](std::uint8_t on) { return on != 0; });
+  if (box.empty()) return result;
+  auto slab = parallel::scatter(crop(evidence, box), parallel::self());
+  total_variation_l2(slab, {.lambda = 0.5 / cost, .iterations = sweeps}, parallel::self());
+  paste(parallel::gather(slab, parallel::self()), box, result);
+  return result;
 }
 
 }  // namespace
@@ -87,29 +202,33 @@ WallDistances measure_walls(const Volume<float>& hu, const Mask& lv, const Mask&
   // Clipped before it is smoothed: neither lung behind thin fat nor bright blood inside a thin wall moves the edge.
   Volume<float> tissue = hu;
   for (float& v : tissue.voxels) v = std::clamp(v, fat_hu, std::max(static_cast<float>(muscle_hu), fat_hu));
-  tissue = gaussian(tissue, smoothing_mm);
-  const double outside_hu = 0.5 * (muscle_hu + static_cast<double>(fat_hu));
   const Mask cavity = close(lv, papillary_mm);
+  for (std::size_t v = 0; v < cavity.voxels.size(); ++v)
+    if (cavity.voxels[v]) tissue.voxels[v] = static_cast<float>(muscle_hu);
+  tissue = gaussian(tissue, edge_smoothing_mm);
+  const auto outside_hu = static_cast<float>(0.5 * (muscle_hu + static_cast<double>(fat_hu)));
+  for (float& v : tissue.voxels) v -= outside_hu;
+  WallDistances walls{distance_from_negative(tissue), distance_from_mask(cavity), distance_from_mask(other_left)};
   Mask outside(hu.grid);
-  for (std::size_t v = 0; v < outside.voxels.size(); ++v)
-    outside.voxels[v] = static_cast<double>(tissue.voxels[v]) < outside_hu && !cavity.voxels[v];
-  WallDistances walls{distance_to(outside), distance_to(cavity), distance_to(other_left)};
+  for (std::size_t v = 0; v < outside.voxels.size(); ++v) outside.voxels[v] = tissue.voxels[v] < 0;
   walls.lv_wall_mm = usual_lv_wall(walls.from_lv, outside);
   return walls;
 }
 
-Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled) {
+WallThickness usual_thickness(const WallDistances& walls) {
+  WallThickness thickness;
+  thickness.left_mm = walls.lv_wall_mm;
+  return thickness;
+}
+
+Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled, const WallThickness& thickness) {
   Volume<float> inside(thin_walled.grid);
-  // Surfaces lie between voxel centres: by half a voxel along the grid's axes, by less where they run obliquely.
-  const double inset_mm = 0.25 * thin_walled.grid.spacing_mm.x;
-  for (std::size_t v = 0; v < inside.voxels.size(); ++v) {
-    const double free_wall = thin_walled.voxels[v] ? thin_wall_mm : rv_wall_mm;
+  for (std::size_t v = 0; v < inside.voxels.size(); ++v)
     inside.voxels[v] =
-        static_cast<float>(std::min({static_cast<double>(walls.from_outside.voxels[v]) - free_wall,
-                                     static_cast<double>(walls.from_lv.voxels[v]) - walls.lv_wall_mm,
-                                     static_cast<double>(walls.from_other_left.voxels[v]) - thin_wall_mm}) -
-                           inset_mm);
-  }
+        static_cast<float>(std::min({static_cast<double>(walls.from_outside.voxels[v]) -
+                                         (thin_walled.voxels[v] ? thickness.thin_mm : thickness.free_mm),
+                                     static_cast<double>(walls.from_lv.voxels[v]) - thickness.left_mm,
+                                     static_cast<double>(walls.from_other_left.voxels[v]) - thickness.double_mm}));
   return inside;
 }
 
@@ -133,32 +252,57 @@ FaintContrast measure_faint_contrast(const Volume<float>& hu, const WallDistance
   return {muscle_hu, median_of(blood, muscle_hu), noise_power(hu, uniform)};
 }
 
+Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled) {
+  return usual_cavity(walls, thin_walled, usual_thickness(walls));
+}
+
+WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,
+                                const Mask& compartment, const WallThickness& usual, const FaintContrast& contrast) {
+  constexpr double band_mm = 3, alone_mm = 5;
+  const Mask near = dilate(compartment, reach_mm);
+  WallProfile free, left;
+  const auto add = [&](WallProfile& profile, double distance_mm, double usual_mm, std::size_t v) {
+    if (distance_mm < blurred_mm || std::abs(distance_mm - usual_mm) > band_mm) return;
+    profile.add(distance_mm, static_cast<double>(hu.voxels[v]), hu.grid.voxel_volume_mm3());
+  };
+  for (std::size_t v = 0; v < hu.voxels.size(); ++v) {
+    if (!near.voxels[v]) continue;
+    const auto outside = static_cast<double>(walls.from_outside.voxels[v]);
+    const auto from_lv = static_cast<double>(walls.from_lv.voxels[v]);
+    if (static_cast<double>(walls.from_other_left.voxels[v]) - usual.double_mm < alone_mm) continue;
+    if (from_lv - usual.left_mm > alone_mm && !thin_walled.voxels[v]) add(free, outside, usual.free_mm, v);
+    if (outside - (thin_walled.voxels[v] ? usual.thin_mm : usual.free_mm) > alone_mm)
+      add(left, from_lv, usual.left_mm, v);
+  }
+  WallThickness thickness = usual;
+  thickness.free_mm = most_likely_thickness(free, contrast, usual.free_mm);
+  thickness.left_mm = most_likely_thickness(left, contrast, usual.left_mm);
+  return thickness;
+}
+
 Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
                           const Mask& compartment, const FaintContrast& contrast) {
-  constexpr double reach_mm = 6, least_septum_mm = 3, least_power = 1;
-  const double difference = contrast.difference_hu(), middle = contrast.muscle_hu + difference / 2;
-  const double power = std::max(contrast.noise_power, least_power);
+  constexpr double least_septum_mm = 3;
+  const double speaks = information(contrast), cost = contour_cost(speaks);
   const Mask near = dilate(compartment, reach_mm);
+  const Volume<float> parallels = divergence_of_normals(space);
   Volume<float> evidence(hu.grid);
   Mask possible(hu.grid);
   for (std::size_t v = 0; v < hu.voxels.size(); ++v) {
-    possible.voxels[v] = near.voxels[v] && static_cast<double>(walls.from_outside.voxels[v]) > blurred_mm &&
-                         static_cast<double>(walls.from_other_left.voxels[v]) > blurred_mm &&
-                         static_cast<double>(walls.from_lv.voxels[v]) > least_septum_mm;
-    const double grey = difference * (static_cast<double>(hu.voxels[v]) - middle) / power;
     const auto off_edges = static_cast<double>(std::min(walls.from_outside.voxels[v], walls.from_other_left.voxels[v]));
+    possible.voxels[v] =
+        near.voxels[v] && off_edges > blurred_mm && static_cast<double>(walls.from_lv.voxels[v]) > least_septum_mm;
     const double trust = std::clamp((off_edges - blurred_mm) / (sharp_mm - blurred_mm), 0.0, 1.0);
     const double usual = std::clamp(static_cast<double>(space.voxels[v]) / anatomy_slack_mm, -1.0, 1.0);
-    const double sum =
-        trust * std::clamp(grey, -most_evidence, most_evidence) + (usual > 0 ? cavity_weight : wall_weight) * usual;
-    evidence.voxels[v] = possible.voxels[v] ? static_cast<float>(sum) : -static_cast<float>(most_evidence);
+    const double sum = trust * grey_evidence(hu.voxels[v], contrast) +
+                       (usual > 0 ? cavity_weight : wall_weight) * usual -
+                       cost * static_cast<double>(parallels.voxels[v]);
+    evidence.voxels[v] =
+        static_cast<float>(possible.voxels[v] ? std::clamp(sum, -most_evidence, most_evidence) : -most_evidence);
   }
-  const double information = std::min(difference * difference / (2 * power), most_evidence);
-  auto slab = parallel::scatter(evidence, parallel::self());
-  total_variation_l2(slab, {.lambda = 0.5 / contour_cost(information), .iterations = sweeps}, parallel::self());
-  Volume<float> blood = parallel::gather(slab, parallel::self());
+  Volume<float> blood = solve(evidence, possible, cost);
   // The same height on both sides of the contour, so that its interpolation lies half-way between two voxels.
-  const double height = 0.5 * (information + cavity_weight);
+  const double height = 0.5 * (speaks + cavity_weight);
   for (std::size_t v = 0; v < blood.voxels.size(); ++v) {
     const double value = possible.voxels[v] ? static_cast<double>(blood.voxels[v]) / height : -1;
     blood.voxels[v] = static_cast<float>(std::clamp(value, -1.0, 1.0));

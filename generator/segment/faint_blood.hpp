@@ -2,17 +2,23 @@
 //
 // Two sources are weighed against each other. The grey value: with blood and muscle of known grey values and noise of
 // known power N (HU² mm³), a voxel of grey value g speaks for blood with (b - m) (g - (b + m) / 2) / N nats per mm³.
-// And usual anatomy: the right heart fills the soft tissue inside the epicardial fat, less a free wall of usual
-// thickness, the left ventricle's wall (as thick towards the septum as it is towards the fat) and the thin walls
-// beside the left atrium and the aorta. The contour is the global minimum of mu area - ∫ evidence (Chan, Esedoglu and
-// Nikolova 2006), by total variation of the evidence itself (its zero level; Chambolle 2005). Where the contrast is
-// good the grey value decides, where there is none the anatomy does.
+// And usual anatomy: the right heart fills the soft tissue inside the epicardial fat, less a free wall, the left
+// ventricle's wall and the thin walls beside the left atrium and the aorta. How thick free wall and septum are on
+// average is measured first: one number each, for which the grey values of the whole wall speak together.
+//
+// The contour is the global minimum of mu (area - ∫ n·N) - ∫ evidence, n its normal and N that of the surfaces parallel
+// to usual anatomy's. The flux of N (Kimmel and Bruckstein 2003) makes mu the price of leaving anatomy's direction, not
+// of curvature: area alone eats thin edges and round caps. By the divergence theorem it is evidence of its own,
+// -mu div N, and the rest is the convex problem of Chan, Esedoglu and Nikolova (2006), solved by total variation of the
+// evidence (its zero level; Chambolle 2005). Where the contrast is good the grey value decides, where there is none
+// the anatomy does.
 #pragma once
 #include "model/volume.hpp"
 
 namespace heart::segment {
 
-/// Distances (mm) to the surfaces that walls are measured from, on a grid of equal spacings.
+/// Distances (mm) from the surfaces that walls are measured from, sub-voxel, 0 behind them; on a grid of equal
+/// spacings.
 struct WallDistances {
   Volume<float> from_outside;     ///< epicardial fat, lung and air
   Volume<float> from_lv;          ///< blood of the left ventricle, its papillary muscles included
@@ -24,8 +30,21 @@ struct WallDistances {
 /// fat and muscle is outside.
 WallDistances measure_walls(const Volume<float>& hu, const Mask& lv, const Mask& other_left, double muscle_hu);
 
-/// How far every voxel lies inside the space that walls of usual thickness leave to the right heart's blood, mm;
-/// negative in the walls. `thin_walled`: atrium and arteries rather than ventricle.
+struct WallThickness {
+  double free_mm = 3.5;  ///< free wall of an adult's right ventricle, 3 to 4 mm, and its trabeculae
+  double thin_mm = 2;    ///< atria, arteries
+  double left_mm = 10;   ///< left ventricle, septum included
+  double double_mm = 3;  ///< back to back with the wall of left atrium or aorta
+};
+
+/// Usual thicknesses, the left ventricle's as measured where fat or lung is behind.
+WallThickness usual_thickness(const WallDistances& walls);
+
+/// How far every voxel lies inside the space that such walls leave to the right heart's blood, mm; negative in the
+/// walls. `thin_walled`: atrium and arteries rather than ventricle.
+Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled, const WallThickness& thickness);
+
+/// The same for walls of usual thickness.
 Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled);
 
 /// Grey values of a faint pool.
@@ -39,6 +58,12 @@ struct FaintContrast {
 /// Muscle in the middle of the left ventricle's wall, blood deep inside `space` (usual_cavity) within the compartment.
 FaintContrast measure_faint_contrast(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
                                      const Mask& compartment);
+
+/// Mean thickness of free wall and septum, the most likely ones for the grey values of what may be wall or blood near
+/// the compartment, where no other wall is near; the usual ones (to within a millimetre) where nothing speaks. The thin
+/// walls keep theirs: fat and bright blood beside them leave no unmixed grey value.
+WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,
+                                const Mask& compartment, const WallThickness& usual, const FaintContrast& contrast);
 
 /// Positive in blood, negative elsewhere; the contour is the zero level of its linear interpolation. `compartment`
 /// (the right heart's cavities, roughly) bounds the result to 6 mm around it.

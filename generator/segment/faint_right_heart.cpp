@@ -142,12 +142,15 @@ Mask faint_right_heart(const CtVolume& ct, const Landmarks& landmarks, double mu
   const Scene scene = make_scene(ct, landmarks, left_threshold_hu);
   const Grid& grid = scene.hu.grid;
   const auto walls = measure_walls(scene.hu, scene.lv, scene.other_left, muscle_hu);
-  const auto parts = usual_right_heart(usual_cavity(walls, Mask(grid, 1)), scene, landmarks);
+  const WallThickness usual = usual_thickness(walls);
+  const auto parts = usual_right_heart(usual_cavity(walls, Mask(grid, 1), usual), scene, landmarks);
   const LabelVolume nearest = nearest_label(parts, everywhere_mm);
   const Mask thin = mask_where(grid, [&](std::size_t v) { return nearest.voxels[v] != tag(Region::rv_blood); });
-  const Volume<float> space = usual_cavity(walls, thin);
+  Volume<float> space = usual_cavity(walls, thin, usual);
   const Mask compartment = mask_where(grid, [&](std::size_t v) { return parts.voxels[v] != 0; });
-  const FaintContrast contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
+  FaintContrast contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
+  space = usual_cavity(walls, thin, measure_thickness(scene.hu, walls, thin, compartment, usual, contrast));
+  contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
   const Volume<float> blood = faint_blood(scene.hu, walls, space, compartment, contrast);
   const Volume<float> fine = resampled(blood, ct.grid);
   return mask_where(ct.grid, [&](std::size_t v) {

@@ -55,10 +55,13 @@ struct Found {
 
 Found find(const Scene& scene) {
   const auto walls = measure_walls(scene.hu, scene.lv, scene.other_left, muscle_hu);
-  const auto space = usual_cavity(walls, scene.nowhere);
+  const auto usual = usual_thickness(walls);
+  auto space = usual_cavity(walls, scene.nowhere, usual);
   Found found;
   found.lv_wall_mm = walls.lv_wall_mm;
   found.contrast = measure_faint_contrast(scene.hu, walls, space, scene.compartment);
+  space = usual_cavity(walls, scene.nowhere,
+                       measure_thickness(scene.hu, walls, scene.nowhere, scene.compartment, usual, found.contrast));
   found.blood = faint_blood(scene.hu, walls, space, scene.compartment, found.contrast);
   double both = 0, sum = 0;
   for (std::size_t v = 0; v < scene.truth.voxels.size(); ++v) {
@@ -81,6 +84,77 @@ TEST(FaintBlood, MeasuresWallGreyValuesAndNoise) {
 struct FaintCase {
   double contrast_hu, least_dice;
 };
+/// A slab of blood, 20 mm thick and endless, between walls of uneven and unusual thickness: fat on both sides.
+struct Slab {
+  Volume<float> hu;
+  Mask none, compartment;
+};
+
+Slab make_slab(double wall_mm, double blood_hu, double noise_hu) {
+  Grid grid;
+  grid.size = {60, 60, 60};
+  Slab slab{Volume<float>(grid), Mask(grid), Mask(grid)};
+  std::uint32_t state = 7;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < 60; ++k)
+    for (std::int64_t n = 0; n < 3600; ++n, ++v) {
+      const double depth = std::abs(static_cast<double>(k) - 29.5);
+      state = state * 1664525U + 1013904223U;
+      const double noise = (static_cast<double>(state >> 8U) / 16777216.0 - 0.5) * std::sqrt(12.0) * noise_hu;
+      const double grey = depth < 10 ? blood_hu : depth < 10 + wall_mm ? muscle_hu : fat_hu;
+      slab.hu.voxels[v] = static_cast<float>(grey + noise);
+      slab.compartment.voxels[v] = depth < 8;
+    }
+  return slab;
+}
+
+TEST(FaintBlood, TheMeanFreeWallIsMeasuredWhereNoSingleVoxelShowsIt) {
+  for (const double wall_mm : {3.0, 4.0, 5.0}) {
+    const Slab slab = make_slab(wall_mm, muscle_hu - 8, 28);
+    const auto walls = measure_walls(slab.hu, slab.none, slab.none, muscle_hu);
+    const auto thickness = measure_thickness(slab.hu, walls, slab.none, slab.compartment, usual_thickness(walls),
+                                             {muscle_hu, muscle_hu - 8, 784});
+    EXPECT_NEAR(thickness.free_mm, wall_mm, 0.5) << wall_mm;
+    EXPECT_EQ(thickness.thin_mm, WallThickness{}.thin_mm);
+  }
+}
+
+TEST(FaintBlood, WallsHaveTheirUsualThicknessWhereNothingSpeaks) {
+  const Slab slab = make_slab(5, muscle_hu, 0);
+  const auto walls = measure_walls(slab.hu, slab.none, slab.none, muscle_hu);
+  const auto usual = usual_thickness(walls);
+  const auto thickness =
+      measure_thickness(slab.hu, walls, slab.none, slab.compartment, usual, {muscle_hu, muscle_hu, 784});
+  EXPECT_NEAR(thickness.free_mm, usual.free_mm, 0.1);
+  EXPECT_NEAR(thickness.left_mm, usual.left_mm, 0.1);
+}
+
+/// A rod of blood as thin as an appendage, with no contrast at all: the price of a contour must not shrink it.
+TEST(FaintBlood, SmoothnessDoesNotEatWhatIsRoundAndThin) {
+  Grid grid;
+  grid.size = {40, 40, 40};
+  Volume<float> hu(grid);
+  Mask none(grid), compartment(grid);
+  double truth = 0, found = 0;
+  std::vector<std::uint8_t> inside;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < 40; ++k)
+    for (std::int64_t j = 0; j < 40; ++j)
+      for (std::int64_t i = 0; i < 40; ++i, ++v) {
+        const double radius = std::hypot(static_cast<double>(i) - 19.5, static_cast<double>(j) - 19.5);
+        hu.voxels[v] = static_cast<float>(radius < 7 + free_wall_mm ? muscle_hu : fat_hu);
+        compartment.voxels[v] = radius < 5;
+        inside.push_back(radius < 7);
+      }
+  const auto walls = measure_walls(hu, none, none, muscle_hu);
+  const auto blood = faint_blood(hu, walls, usual_cavity(walls, none), compartment, {muscle_hu, muscle_hu, 784});
+  for (v = 0; v < inside.size(); ++v) {
+    truth += inside[v];
+    found += blood.voxels[v] > 0;
+  }
+  EXPECT_NEAR(found / truth, 1, 0.06);
+}
+
 class FaintContrasts : public ::testing::TestWithParam<FaintCase> {};
 
 TEST_P(FaintContrasts, ShowThePool) {

@@ -65,10 +65,10 @@ void check_contrast(const Findings& findings, Report& report) {
   const double hu = findings.faint->difference_hu();
   const char* side = hu < 0 ? "darker" : "brighter";
   if (std::abs(hu) < hardly_any_hu)
-    report.warn(severe, fmt::format("the right heart's blood is only {:.0f} HU {} than muscle: its contours follow "
-                                    "usual wall thicknesses, its valve planes may be 10 mm off; check them, or use a "
-                                    "scan with contrast in the right heart",
-                                    std::abs(hu), side));
+    report.warn(severe,
+                fmt::format("the right heart's blood is only {:.0f} HU {} than muscle: its contours follow "
+                            "usual wall thicknesses; check them, or use a scan with contrast in the right heart",
+                            std::abs(hu), side));
   else
     report.warn(minor, fmt::format("the right heart's blood is only {:.0f} HU {} than muscle: check its contours and "
                                    "the tricuspid valve",
@@ -91,6 +91,10 @@ void check_valve_shapes(const Findings& findings, Report& report) {
     if (valve.uneven_mm > most_uneven_mm)
       report.warn(minor,
                   fmt::format("the {} valve is not flat ({:.1f} mm off its plane)", range.name, valve.uneven_mm));
+    if (valve.hidden)
+      report.warn(minor, fmt::format("noise hides the {} valve: its plane follows the shape of the heart and may be "
+                                     "10 mm and 15 degrees off",
+                                     range.name));
     if (valve.share < least_share) report.warn(minor, fmt::format("the {} valve is in pieces", range.name));
   }
 }

@@ -5,6 +5,7 @@
 #include "generator/landmarks/basins.hpp"
 #include "generator/landmarks/statistics.hpp"
 #include "generator/segment/components.hpp"
+#include "generator/segment/morphology.hpp"
 #include "model/labels.hpp"
 
 namespace heart::landmarks {
@@ -15,6 +16,7 @@ constexpr double least_depth_mm = 6;    // of the right ventricle, its walls tak
 constexpr double largest_ml = 500;      // the liver is larger
 constexpr double least_relative = 0.3;  // way between two parts of the right heart / the narrower of the two
 constexpr double least_width_mm = 3;
+constexpr double near_mm = 6;         // walls, and blood beyond what usual walls leave
 constexpr double below_heart_mm = 5;  // the centre of no part of the heart lies lower than its lowest blood
 
 /// What a basin is like.
@@ -77,9 +79,9 @@ std::vector<std::uint8_t> right_spaces(const Basins& basins, const std::vector<S
 
 }  // namespace
 
-std::optional<segment::FaintContrast> add_faint_right_heart(LabelVolume& chambers, const WorkingImage& image,
-                                                            const Mask& region, const LongAxis& axis,
-                                                            const Contrast& contrast, double muscle_hu) {
+std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, const WorkingImage& image,
+                                                     const Mask& region, const LongAxis& axis, const Contrast& contrast,
+                                                     double muscle_hu) {
   const Grid& grid = chambers.grid;
   const double left_hu = 0.5 * (contrast.soft_hu + contrast.blood_hu);
   const auto is = [&](std::size_t v, Region r) { return chambers.voxels[v] == tag(r); };
@@ -106,7 +108,7 @@ std::optional<segment::FaintContrast> add_faint_right_heart(LabelVolume& chamber
     if (is(v, Region::rv_blood)) chambers.voxels[v] = 0;
     if (right.voxels[v] && chambers.voxels[v] == 0) chambers.voxels[v] = tag(Region::rv_blood);
   }
-  return grey;
+  return FaintRightHeart{grey, walls, segment::dilate(compartment, near_mm)};
 }
 
 }  // namespace heart::landmarks

@@ -8,12 +8,19 @@
 
 namespace heart::landmarks {
 
+/// A faint right heart's grey values and surroundings, on the chambers' grid.
+struct FaintRightHeart {
+  segment::FaintContrast contrast;
+  segment::WallDistances walls;
+  Mask near;  ///< within 6 mm of its cavities
+};
+
 /// `chambers` holds the left heart; on return all blood of the right heart is rv_blood (what it held there before is
 /// replaced). The right heart is the soft tissue across the septum that hangs together through wide ways, once walls of
 /// usual thickness are taken off. `region`: where heart blood may be. Nothing, and `chambers` unchanged, where there is
 /// no such space.
-std::optional<segment::FaintContrast> add_faint_right_heart(LabelVolume& chambers, const WorkingImage& image,
-                                                            const Mask& region, const LongAxis& axis,
-                                                            const Contrast& contrast, double muscle_hu);
+std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, const WorkingImage& image,
+                                                     const Mask& region, const LongAxis& axis, const Contrast& contrast,
+                                                     double muscle_hu);
 
 }  // namespace heart::landmarks

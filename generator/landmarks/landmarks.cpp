@@ -64,8 +64,7 @@ struct Chambers {
   LongAxis axis;
   double left_of_spine_mm = 0;  ///< middle of the heart's blood
   double ventricle_certainty = 0;
-  bool streaks = false;                         ///< in the right heart
-  std::optional<segment::FaintContrast> faint;  ///< grey values of a right heart with little contrast
+  RightHeartLook right;
 };
 
 /// A right heart with more contrast than this comes out of the threshold as pools of its own; with less it is searched
@@ -87,13 +86,13 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   const auto right = find_right_heart(basins, pools, *left);
   chambers.labels = label_map(basins, assign_basins(basins, pools, *left, right));
   chambers.axis = find_long_axis(chambers.labels, chambers.image.smooth);
-  const double muscle_hu = pools.at(left->ventricle.front()).shell_hu;
+  const double muscle_hu = chambers.right.muscle_hu = pools.at(left->ventricle.front()).shell_hu;
   if (right == 0 || pools.at(right).hu < muscle_hu + pool_contrast_hu)
-    chambers.faint = add_faint_right_heart(chambers.labels, chambers.image, segment::crop(scene.region, box),
-                                           chambers.axis, scene.contrast, muscle_hu);
+    chambers.right.faint = add_faint_right_heart(chambers.labels, chambers.image, segment::crop(scene.region, box),
+                                                 chambers.axis, scene.contrast, muscle_hu);
   chambers.left_of_spine_mm = centre.x - scene.spine.at(centre.z).x;
   chambers.ventricle_certainty = left->certainty;
-  chambers.streaks = split_right_heart(chambers.labels, chambers.image.smooth, chambers.axis);
+  chambers.right.streaks = split_right_heart(chambers.labels, chambers.image.smooth, chambers.axis);
   keep_main_pieces(chambers.labels);
   return chambers;
 }
@@ -140,7 +139,7 @@ SearchResult search(const CtVolume& ct) {
   SearchResult result;
   FoundLandmarks& found = result.found;
   if (const auto trachea = find_trachea(whole.hu, thorax.spine)) found.landmarks.seeds_mm["trachea"] = *trachea;
-  const auto valves = find_valves(chambers.labels, chambers.image.smooth, chambers.streaks);
+  const auto valves = find_valves(chambers.labels, chambers.image, chambers.axis, chambers.right);
   keep_main_pieces(chambers.labels);
   add_seeds(chambers.labels, found);
   constexpr double margin_mm = 2;  // voxels of both pools beside the orifice
@@ -148,9 +147,10 @@ SearchResult search(const CtVolume& ct) {
     found.landmarks.valves[name] = {valve.centre_mm, valve.normal, 0.5 * valve.diameter_mm + margin_mm};
   found.landmarks.lv_apex_mm = chambers.axis.apex_mm;
   found.long_axis = chambers.axis.direction;
-  check_anatomy({chambers.labels, valves, chambers.axis, found.volumes_ml, chambers.ventricle_certainty,
-                 chambers.left_of_spine_mm, chambers.faint},
-                found);
+  check_anatomy(
+      {chambers.labels, valves, chambers.axis, found.volumes_ml, chambers.ventricle_certainty,
+       chambers.left_of_spine_mm, chambers.right.faint ? std::optional(chambers.right.faint->contrast) : std::nullopt},
+      found);
   result.chambers = chambers.labels;
   return result;
 }

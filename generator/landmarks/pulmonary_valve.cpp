@@ -22,45 +22,73 @@ constexpr float least_muscle_hu = 20, most_muscle_hu = 180;
 
 struct Station {
   Section section;
-  Vec3 normal;  ///< downstream
-  double muscle_share = 0;
+  Vec3 normal;        ///< downstream
+  double muscle = 0;  ///< in its wall: a share, or the wall's grey value
 };
 
 /// What the walk looks at.
 struct Scenery {
   const LabelVolume& chambers;
-  const Volume<float>& smooth;
+  const WorkingImage& image;
+  const std::optional<FaintRightHeart>& faint;
   Volume<float> blood;     ///< 1 in ventricle and artery
   Volume<float> distance;  ///< to that blood, mm
 };
 
-Scenery make_scenery(const LabelVolume& chambers, const Volume<float>& smooth) {
+Scenery make_scenery(const LabelVolume& chambers, const WorkingImage& image,
+                     const std::optional<FaintRightHeart>& faint) {
   const Mask mask = mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
     return chambers.voxels[v] == tag(Region::rv_blood) || chambers.voxels[v] == tag(Region::pulmonary_artery);
   });
   Volume<float> blood(mask.grid);
   std::copy(mask.voxels.begin(), mask.voxels.end(), blood.voxels.begin());
-  return {chambers, smooth, std::move(blood), segment::distance_to(mask)};
+  return {chambers, image, faint, std::move(blood), segment::distance_to(mask)};
+}
+
+/// Calls visit(offset) for the voxels nearest to a disc around a section, `beyond_mm` wider than the section.
+template <class Visit>
+void for_each_voxel_around(const Grid& grid, const Section& section, const Vec3& normal, double beyond_mm,
+                           Visit&& visit) {
+  constexpr double pixel_mm = 1.5;
+  const PlaneFrame frame = frame_across(normal);
+  const auto reach = static_cast<int>((0.7 * section.diameter_mm() + beyond_mm) / pixel_mm);
+  for (int b = -reach; b <= reach; ++b)
+    for (int a = -reach; a <= reach; ++a) {
+      const auto at = nearest_voxel(grid, section.centre_mm + (a * pixel_mm) * frame.u + (b * pixel_mm) * frame.v);
+      if (grid.contains(at[0], at[1], at[2])) visit(static_cast<std::size_t>(grid.offset(at[0], at[1], at[2])));
+    }
 }
 
 /// Share of muscle in the ring around a section, other chambers left out.
 double muscle_around(const Scenery& scenery, const Section& section, const Vec3& normal) {
-  constexpr double pixel_mm = 1.5;
-  const PlaneFrame frame = frame_across(normal);
-  const auto reach = static_cast<int>((0.7 * section.diameter_mm() + ring_to_mm) / pixel_mm);
   double ring = 0, muscle = 0;
-  for (int b = -reach; b <= reach; ++b)
-    for (int a = -reach; a <= reach; ++a) {
-      const Vec3 p = section.centre_mm + (a * pixel_mm) * frame.u + (b * pixel_mm) * frame.v;
-      const auto at = nearest_voxel(scenery.chambers.grid, p);
-      if (!scenery.chambers.grid.contains(at[0], at[1], at[2])) continue;
-      const float away = scenery.distance(at[0], at[1], at[2]);
-      if (away <= ring_from_mm || away > ring_to_mm || scenery.chambers(at[0], at[1], at[2]) != 0) continue;
-      const float hu = scenery.smooth(at[0], at[1], at[2]);
-      ring += 1;
-      muscle += hu > least_muscle_hu && hu < most_muscle_hu;
-    }
+  for_each_voxel_around(scenery.chambers.grid, section, normal, ring_to_mm, [&](std::size_t v) {
+    const float away = scenery.distance.voxels[v];
+    if (away <= ring_from_mm || away > ring_to_mm || scenery.chambers.voxels[v] != 0) return;
+    const float hu = scenery.image.smooth.voxels[v];
+    ring += 1;
+    muscle += hu > least_muscle_hu && hu < most_muscle_hu;
+  });
   return ring > 0 ? muscle / ring : 0;
+}
+
+/// Mean grey value of the outermost 2 mm of tissue around a section, away from the left heart.
+double wall_hu(const Scenery& scenery, const Section& section, const Vec3& normal) {
+  constexpr double beyond_mm = 8, off_left_mm = 5;
+  constexpr float outermost_mm = 2.2F;  // two voxels
+  const auto& walls = scenery.faint->walls;
+  double voxels = 0, sum = 0;
+  for (const double along_mm : {-1.5, 0.0, 1.5}) {
+    const Section beside{section.area_mm2, section.centre_mm + along_mm * normal};
+    for_each_voxel_around(scenery.chambers.grid, beside, normal, beyond_mm, [&](std::size_t v) {
+      const float outside = walls.from_outside.voxels[v];
+      if (outside <= 0 || outside > outermost_mm || static_cast<double>(scenery.distance.voxels[v]) > beyond_mm) return;
+      if (static_cast<double>(std::min(walls.from_other_left.voxels[v], walls.from_lv.voxels[v])) < off_left_mm) return;
+      voxels += 1;
+      sum += static_cast<double>(scenery.image.hu.voxels[v]);
+    });
+  }
+  return voxels > 0 ? sum / voxels : 0;
 }
 
 /// Stations every 2 mm, from the artery upstream; the plane turns with the centre line.
@@ -75,7 +103,8 @@ std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& sta
     const bool first = stations.empty();  // may lie in the bifurcation, beside the artery's centre line
     if (!first && norm(section->centre_mm - at) > longest_jump_mm) break;
     narrowest = std::min(narrowest, section->diameter_mm());
-    stations.push_back({*section, normal, muscle_around(scenery, *section, normal)});
+    const double muscle = scenery.faint ? wall_hu(scenery, *section, normal) : muscle_around(scenery, *section, normal);
+    stations.push_back({*section, normal, muscle});
     if (stations.size() > 1) {
       const Vec3 line = normalized(stations[stations.size() - 2].section.centre_mm - section->centre_mm);
       normal = normalized((1 - turn) * normal + turn * line);
@@ -104,7 +133,7 @@ std::size_t muscle_begins(const std::vector<Station>& stations) {
   double best_gain = 0;
   for (std::size_t cut = fewest; cut + fewest <= stations.size(); ++cut) {
     double before = 0, after = 0;
-    for (std::size_t n = 0; n < stations.size(); ++n) (n < cut ? before : after) += stations[n].muscle_share;
+    for (std::size_t n = 0; n < stations.size(); ++n) (n < cut ? before : after) += stations[n].muscle;
     const double n_before = static_cast<double>(cut), n_after = static_cast<double>(stations.size() - cut);
     const double rise = after / n_after - before / n_before;
     const double gain = rise * rise * n_before * n_after;  // how much the step lowers the sum of squares, times n
@@ -115,15 +144,40 @@ std::size_t muscle_begins(const std::vector<Station>& stations) {
   return best;
 }
 
+/// The number of stations before the sharpest rise of the wall's grey value between 6 mm downstream and 6 mm upstream;
+/// 0 where it nowhere rises by 4 HU.
+std::size_t wall_brightens(const std::vector<Station>& stations) {
+  constexpr std::size_t window = 3;
+  constexpr double least_rise_hu = 4;
+  std::size_t best = 0;
+  double sharpest = least_rise_hu * window;
+  for (std::size_t cut = window; cut + window <= stations.size(); ++cut) {
+    double rise = 0;
+    for (std::size_t n = 0; n < window; ++n) rise += stations[cut + n].muscle - stations[cut - 1 - n].muscle;
+    if (rise <= sharpest) continue;
+    sharpest = rise;
+    best = cut;
+  }
+  return best;
+}
+
 }  // namespace
 
-ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const Volume<float>& smooth, const ValvePatch& start) {
-  const Scenery scenery = make_scenery(chambers, smooth);
+ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage& image,
+                                const std::optional<FaintRightHeart>& faint, const ValvePatch& start) {
+  const Scenery scenery = make_scenery(chambers, image, faint);
   const auto stations = first_long_walk(scenery, start);
-  const std::size_t first_muscle = muscle_begins(stations);
+  const std::size_t first_muscle = faint ? wall_brightens(stations) : muscle_begins(stations);
   if (first_muscle == 0) return start;
-  const Station& station = stations[first_muscle];
   ValvePatch valve = start;
+  if (faint) {  // its blood has no sure shape that would tell more
+    const Station &vessel = stations[first_muscle - 1], &ventricle = stations[first_muscle];
+    valve.centre_mm = 0.5 * (vessel.section.centre_mm + ventricle.section.centre_mm);
+    valve.normal = normalized(vessel.normal + ventricle.normal);
+    valve.diameter_mm = vessel.section.diameter_mm();
+    return valve;
+  }
+  const Station& station = stations[first_muscle];
   valve.centre_mm = station.section.centre_mm;
   valve.normal = station.normal;
   valve.diameter_mm = station.section.diameter_mm();

@@ -5,10 +5,13 @@
 #include <numbers>
 #include <vector>
 
+#include "generator/landmarks/statistics.hpp"
+
 namespace heart::landmarks {
 namespace {
 
 constexpr double pixel_mm = 1.5;
+static_assert(pixel_mm * pixel_mm == section_pixel_mm2);
 constexpr int half_pixels = 24;  // 36 mm: the widest valve and half as much again
 constexpr int side_pixels = 2 * half_pixels + 1;
 constexpr double degree = std::numbers::pi / 180;
@@ -86,17 +89,21 @@ PlaneFrame frame_across(const Vec3& normal) {
 
 double Section::diameter_mm() const { return 2 * std::sqrt(area_mm2 / std::numbers::pi); }
 
-std::optional<Section> section_at(const Volume<float>& blood, const Vec3& point, const Vec3& normal, double search_mm) {
+std::vector<Vec3> section_points(const Volume<float>& blood, const Vec3& point, const Vec3& normal, double search_mm) {
   const PlaneFrame frame = frame_across(normal);
   const Pixels pixels = cut(blood, point, frame);
   const int start = nearest_blood(pixels, search_mm / pixel_mm);
-  if (start < 0) return std::nullopt;
-  const auto members = connected_pixels(pixels, start);
-  Section section;
-  for (const int n : members) section.centre_mm += pixel_position(point, frame, n % side_pixels, n / side_pixels);
-  section.centre_mm = section.centre_mm / static_cast<double>(members.size());
-  section.area_mm2 = static_cast<double>(members.size()) * pixel_mm * pixel_mm;
-  return section;
+  std::vector<Vec3> points;
+  if (start < 0) return points;
+  for (const int n : connected_pixels(pixels, start))
+    points.push_back(pixel_position(point, frame, n % side_pixels, n / side_pixels));
+  return points;
+}
+
+std::optional<Section> section_at(const Volume<float>& blood, const Vec3& point, const Vec3& normal, double search_mm) {
+  const auto points = section_points(blood, point, normal, search_mm);
+  if (points.empty()) return std::nullopt;
+  return Section{static_cast<double>(points.size()) * section_pixel_mm2, mean(points)};
 }
 
 std::optional<TightestPlane> tightest_plane(const Volume<float>& blood, const Vec3& centre, const Vec3& normal,

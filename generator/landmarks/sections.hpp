@@ -1,6 +1,7 @@
 // Private to this folder: plane sections through blood.
 #pragma once
 #include <optional>
+#include <vector>
 
 #include "model/volume.hpp"
 
@@ -17,6 +18,13 @@ struct Section {
   Vec3 centre_mm;
   double diameter_mm() const;  ///< of the disc of the same area
 };
+
+/// What one point of a section stands for.
+constexpr double section_pixel_mm2 = 2.25;
+
+/// The pixels' centres of the piece of the section through `point` across `normal` that lies nearest to the point;
+/// none where no blood is within `search_mm` of it.
+std::vector<Vec3> section_points(const Volume<float>& blood, const Vec3& point, const Vec3& normal, double search_mm);
 
 /// The piece of the section through `point` across `normal` that lies nearest to the point; nothing where no blood is
 /// within `search_mm` of it. `blood` is 0 to 1; the section is seen to 36 mm from the point.

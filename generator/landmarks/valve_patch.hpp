@@ -13,6 +13,7 @@ struct ValvePatch {
   double diameter_mm = 0;  ///< of the disc of the same area
   double uneven_mm = 0;    ///< standard deviation from the plane
   double share = 0;        ///< of the contact that hangs together
+  bool hidden = false;     ///< in noise: its place follows from the shape around it
 };
 
 /// The largest connected part of the contact between two regions; nothing where they hardly touch.

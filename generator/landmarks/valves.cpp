@@ -1,9 +1,11 @@
 #include "generator/landmarks/valves.hpp"
 
 #include "generator/landmarks/divide_at_plane.hpp"
+#include "generator/landmarks/orifice.hpp"
 #include "generator/landmarks/pulmonary_valve.hpp"
 #include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/statistics.hpp"
+#include "generator/landmarks/usual_tricuspid.hpp"
 #include "generator/landmarks/working_image.hpp"
 
 namespace heart::landmarks {
@@ -77,9 +79,49 @@ void settle(LabelVolume& chambers, Region ventricle, Region beyond, ValvePatch& 
   valve.normal = normal;
 }
 
+/// The tricuspid valve; `start` is where the flood parted atrium and ventricle, up to 15 mm below the valve.
+ValvePatch find_tricuspid(LabelVolume& chambers, const WorkingImage& image, const RightHeartLook& right,
+                          const ValvePatch& start) {
+  using enum Region;
+  constexpr int rounds = 3;
+  ValvePatch valve = start;
+  tighten(chambers, rv_blood, ra_blood, rounds, valve);
+  settle(chambers, rv_blood, ra_blood, valve);
+  if (!right.faint) return valve;
+  const auto orifice = find_orifice(show_tissue(image.hu, *right.faint), valve);
+  valve.hidden = !orifice;
+  if (!orifice) return valve;
+  divide_at_plane(chambers, rv_blood, ra_blood, orifice->centre_mm, orifice->normal);
+  return *orifice;
+}
+
+ValvePatch find_pulmonary(LabelVolume& chambers, const WorkingImage& image, const RightHeartLook& right,
+                          const ValvePatch& start) {
+  using enum Region;
+  ValvePatch valve = find_pulmonary_valve(chambers, image, right.faint, start);
+  if (right.faint)
+    divide_at_plane(chambers, rv_blood, pulmonary_artery, valve.centre_mm, valve.normal);
+  else
+    settle(chambers, rv_blood, pulmonary_artery, valve);
+  return valve;
+}
+
+/// The tricuspid valve of a right heart full of streaks, in the groove; where the flood parted it, if there is none.
+void find_tricuspid_in_streaks(LabelVolume& chambers, const WorkingImage& image, const LongAxis& axis, double muscle_hu,
+                               std::map<std::string, ValvePatch>& valves) {
+  using enum Region;
+  if (!valves.contains("mitral") || !valves.contains("aortic")) return;
+  const ValvePatch usual = usual_tricuspid(valves.at("mitral"), valves.at("aortic"), axis);
+  auto valve = narrowest_tricuspid(chambers, image.hu, muscle_hu, usual);
+  if (!valve) return;
+  settle(chambers, rv_blood, ra_blood, *valve);
+  valves["tricuspid"] = *valve;
+}
+
 }  // namespace
 
-std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const Volume<float>& smooth, bool streaks) {
+std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const WorkingImage& image, const LongAxis& axis,
+                                              const RightHeartLook& right) {
   using enum Region;
   std::map<std::string, ValvePatch> valves;
   const auto add = [&](const std::string& name, Region ventricle, Region beyond) {
@@ -91,15 +133,12 @@ std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const Volum
   add("pulmonary", rv_blood, pulmonary_artery);
   if (valves.contains("aortic")) straighten_aortic(chambers, valves.at("aortic"));
   if (valves.contains("mitral")) tighten(chambers, lv_blood, la_blood, 1, valves.at("mitral"));
-  if (valves.contains("tricuspid") && !streaks) {
-    constexpr int rounds = 3;  // the flood parts atrium and ventricle up to 15 mm below the valve
-    tighten(chambers, rv_blood, ra_blood, rounds, valves.at("tricuspid"));
-    settle(chambers, rv_blood, ra_blood, valves.at("tricuspid"));
-  }
-  if (valves.contains("pulmonary")) {
-    valves.at("pulmonary") = find_pulmonary_valve(chambers, smooth, valves.at("pulmonary"));
-    settle(chambers, rv_blood, pulmonary_artery, valves.at("pulmonary"));
-  }
+  if (right.streaks)
+    find_tricuspid_in_streaks(chambers, image, axis, right.muscle_hu, valves);
+  else if (valves.contains("tricuspid"))
+    valves.at("tricuspid") = find_tricuspid(chambers, image, right, valves.at("tricuspid"));
+  if (valves.contains("pulmonary"))
+    valves.at("pulmonary") = find_pulmonary(chambers, image, right, valves.at("pulmonary"));
   return valves;
 }
 

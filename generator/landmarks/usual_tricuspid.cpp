@@ -1,0 +1,55 @@
+#include "generator/landmarks/usual_tricuspid.hpp"
+
+#include <algorithm>
+
+#include "generator/landmarks/sections.hpp"
+#include "generator/landmarks/working_image.hpp"
+#include "generator/segment/faint_blood.hpp"
+#include "model/labels.hpp"
+
+namespace heart::landmarks {
+namespace {
+
+// In the frame of the left heart's base, mm and parts: means over hearts in two CTs and the phantom, which lie within
+// 10 mm and 20 degrees of them.
+constexpr double mitral_weight = 0.65;  // of the base's middle, as for the long axis
+constexpr double to_apex_mm = 8, to_aortic_mm = 27, to_right_mm = 33;
+constexpr double normal_to_base = 0.9, normal_to_aortic = 0.1, normal_to_right = 0.35;
+constexpr double usual_diameter_mm = 34;  // adults: 28 to 40
+
+}  // namespace
+
+ValvePatch usual_tricuspid(const ValvePatch& mitral, const ValvePatch& aortic, const LongAxis& axis) {
+  const Vec3 to_base = -axis.direction;
+  const Vec3 across = aortic.centre_mm - mitral.centre_mm;
+  const Vec3 to_aortic = normalized(across - dot(across, to_base) * to_base);
+  const Vec3 to_right = cross(to_aortic, to_base);
+  const Vec3 base = mitral_weight * mitral.centre_mm + (1 - mitral_weight) * aortic.centre_mm;
+  ValvePatch usual;
+  usual.centre_mm = base - to_apex_mm * to_base + to_aortic_mm * to_aortic + to_right_mm * to_right;
+  usual.normal = normalized(normal_to_base * to_base + normal_to_aortic * to_aortic + normal_to_right * to_right);
+  usual.diameter_mm = usual_diameter_mm;
+  usual.share = 1;
+  return usual;
+}
+
+std::optional<ValvePatch> narrowest_tricuspid(const LabelVolume& chambers, const Volume<float>& hu, double muscle_hu,
+                                              const ValvePatch& usual) {
+  constexpr double reach_mm = 12;
+  const auto is = [&](std::size_t v, Region region) { return chambers.voxels[v] == tag(region); };
+  const Mask lv = mask_where(hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::lv_blood); });
+  const Mask other =
+      mask_where(hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::la_blood) || is(v, Region::aorta); });
+  const auto walls = segment::measure_walls(hu, lv, other, muscle_hu);
+  Volume<float> cavity = segment::usual_cavity(walls, Mask(hu.grid, 1));
+  for (float& inside : cavity.voxels)  // 1 inside, 0 outside, half-way at the wall
+    inside = std::clamp(inside / static_cast<float>(working_spacing_mm) + 0.5F, 0.0F, 1.0F);
+  const auto plane = tightest_plane(cavity, usual.centre_mm, usual.normal, reach_mm);
+  if (!plane) return std::nullopt;
+  ValvePatch valve = usual;
+  valve.centre_mm = plane->section.centre_mm;
+  valve.normal = plane->normal;
+  return valve;
+}
+
+}  // namespace heart::landmarks

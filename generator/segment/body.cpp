@@ -265,14 +265,14 @@ BodyResult segment_body(const CtVolume& ct, const SegmentationTree& tree, const 
         "chambers.tissue", "name the side of the tree that is not air");
   result.lung = find_lung(result.body, tissue);
   result.bone = find_bone(ct, result, chambers);
-  result.liver = Mask(ct.grid);
+  const Mask free = mask_where(ct.grid, [&](std::size_t v) {
+    return result.body.voxels[v] && !result.lung.voxels[v] && !result.bone.voxels[v] && chambers.voxels[v] == 0;
+  });
   const auto liver = landmarks.seeds_mm.find("liver");
-  if (liver != landmarks.seeds_mm.end() && inside(ct.grid, liver->second)) {
-    const Mask free = mask_where(ct.grid, [&](std::size_t v) {
-      return result.body.voxels[v] && !result.lung.voxels[v] && !result.bone.voxels[v] && chambers.voxels[v] == 0;
-    });
-    result.liver = segment_liver(ct, free, liver->second);
-  }
+  if (liver == landmarks.seeds_mm.end())
+    result.liver = find_liver(ct, result.lung, free);
+  else
+    result.liver = inside(ct.grid, liver->second) ? segment_liver(ct, free, liver->second) : Mask(ct.grid);
   return result;
 }
 

@@ -1,4 +1,4 @@
-// Everything around the heart: the body inside the skin, lungs, bone, and the liver where a seed is given.
+// Everything around the heart: the body inside the skin, lungs, bone and liver.
 #pragma once
 #include "generator/segment/hierarchy.hpp"
 #include "model/landmarks.hpp"
@@ -11,7 +11,7 @@ struct BodyResult {
   Mask body;   ///< the largest piece of tissue with everything inside it: air in lungs and airways too, no table
   Mask lung;   ///< lung air and the vessels in it; airways that open into it
   Mask bone;   ///< cortical and spongy bone, filled, without contrast-filled vessels
-  Mask liver;  ///< all 0 without a "liver" seed
+  Mask liver;  ///< at the "liver" seed, else where a liver lies; all 0 where none is found
 };
 
 /// `chambers` on the CT's grid. Root only. Throws UserError where no tissue is found, and

@@ -1,24 +1,19 @@
 #include "generator/segment/epicardium.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include "generator/parallel/threads.hpp"
 #include "generator/segment/box_around.hpp"
 #include "generator/segment/distance.hpp"
-#include "generator/segment/gaussian.hpp"
 #include "generator/segment/minimal_cut.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/wall_band.hpp"
 #include "generator/segment/wall_cells.hpp"
+#include "generator/segment/wall_division.hpp"
 #include "model/labels.hpp"
 
 namespace heart::segment {
 namespace {
-
-constexpr double distance_smoothing_mm = 1;  // against trabeculae, before directions are taken
-constexpr double division_smoothing_mm = 1.5;
 
 struct Cut {
   Mask inside;  // on the root
@@ -35,10 +30,19 @@ Mask mask_where(const Grid& grid, Rule rule) {
 
 bool is(std::uint8_t value, Region region) { return value == tag(region); }
 
-/// @collective; `band` is read on the root.
+/// @collective
+bool on_every_rank(bool on_root, const parallel::Comm& comm) {
+  return parallel::sum_int64(comm, comm.is_root() && on_root ? 1 : 0) != 0;
+}
+
+/// @collective; `band` is read on the root. A band without a free voxel, such as a cavity in fat with no muscle to be
+/// seen, gives the least wall.
 Cut cut_band(const HeartBand& heart, const BandInput& band, const EpicardiumSettings& settings,
              const parallel::Comm& comm) {
   const Mask state = parallel::run_on_root(comm, [&] { return band_state(band); });
+  const bool is_free =
+      on_every_rank(std::find(state.voxels.begin(), state.voxels.end(), cut_free) != state.voxels.end(), comm);
+  if (!is_free) return {band.inner, 0, 0};
   const Volume<float> weight =
       parallel::run_on_root(comm, [&] { return band_weight(heart.tissue, band, state, settings.edge_hu_per_mm); });
   const auto cut = minimal_cut(weight, state,
@@ -118,68 +122,6 @@ BandInput atrial_band(const HeartBand& heart, const Mask& ventricles, const Epic
   return band;
 }
 
-/// Cosine between the directions away from the two ventricles: negative in the septum, where leaving one means
-/// approaching the other, positive in the right ventricle's free wall. Smoothed within the wall.
-Volume<float> beyond_right_blood(const Volume<float>& to_lv, const Volume<float>& to_rv, const Mask& wall) {
-  Volume<float> cosine(wall.grid);
-  Volume<float> weight(wall.grid);
-  const auto& size = wall.grid.size;
-  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t k = begin; k < end; ++k)
-      for (std::int64_t j = 0; j < size[1]; ++j)
-        for (std::int64_t i = 0; i < size[0]; ++i) {
-          if (!wall(i, j, k)) continue;
-          const Index3 at{i, j, k};
-          weight(i, j, k) = 1;
-          cosine(i, j, k) = static_cast<float>(dot(normalized(gradient(to_lv, at)), normalized(gradient(to_rv, at))));
-        }
-  });
-  weight = gaussian(weight, division_smoothing_mm);
-  cosine = gaussian(cosine, division_smoothing_mm);
-  for (std::size_t v = 0; v < cosine.voxels.size(); ++v)
-    if (wall.voxels[v]) cosine.voxels[v] /= weight.voxels[v];
-  return cosine;
-}
-
-/// Whether the straight way from a voxel of the wall to the left cavity stays in the wall.
-bool reaches_left(const Mask& left_or_wall, const Volume<float>& to_lv, const Index3& from) {
-  const Grid& grid = to_lv.grid;
-  Vec3 at{static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2])};
-  const Vec3 way = normalized(gradient(to_lv, from));
-  const Vec3 step{way.x / grid.spacing_mm.x, way.y / grid.spacing_mm.y, way.z / grid.spacing_mm.z};
-  const auto steps = static_cast<int>(to_lv(from[0], from[1], from[2]));
-  for (int n = 0; n < steps; ++n) {
-    at = at - step;
-    const Index3 here{std::lround(at.x), std::lround(at.y), std::lround(at.z)};
-    if (!grid.contains(here[0], here[1], here[2]) || !left_or_wall(here[0], here[1], here[2])) return false;
-  }
-  return true;
-}
-
-/// The part of the ventricles' wall that is the left one's, with the septum. It meets the right one's free wall on the
-/// surface on which the septum's right side goes on beyond the right cavity's edge.
-Mask left_part(const HeartBand& heart, const Mask& ventricles) {
-  const Mask lv = cavity(heart, Region::lv_blood);
-  const auto to_lv = gaussian(distance_to(lv), distance_smoothing_mm);
-  const auto to_rv = gaussian(distance_to(cavity(heart, Region::rv_blood)), distance_smoothing_mm);
-  const Mask wall = mask_where(heart.owner.grid,
-                               [&](std::size_t v) { return ventricles.voxels[v] && heart.chambers.voxels[v] == 0; });
-  const auto cosine = beyond_right_blood(to_lv, to_rv, wall);
-  const Mask way = unite(wall, lv);
-  Mask left(heart.owner.grid);
-  const auto& size = left.grid.size;
-  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t k = begin; k < end; ++k)
-      for (std::int64_t j = 0; j < size[1]; ++j)
-        for (std::int64_t i = 0; i < size[0]; ++i) {
-          if (!wall(i, j, k)) continue;
-          const bool nearer = to_lv(i, j, k) < to_rv(i, j, k);
-          left(i, j, k) = nearer || (cosine(i, j, k) < 0 && reaches_left(way, to_lv, {i, j, k}));
-        }
-  });
-  return left;
-}
-
 /// Walls that are known are kept, and the part of a region that is known gets nothing more.
 LabelVolume label_walls(const HeartBand& heart, const Mask& left, const Mask& ventricles, const Mask& atria) {
   const bool left_is_known = knows(heart, Region::lv_myocardium);
@@ -206,11 +148,6 @@ Mask known_ventricles(const HeartBand& heart) {
            is(heart.chambers.voxels[v], Region::lv_blood) || is(heart.chambers.voxels[v], Region::rv_blood) ||
            is(heart.chambers.voxels[v], Region::papillary);
   });
-}
-
-/// @collective
-bool on_every_rank(bool on_root, const parallel::Comm& comm) {
-  return parallel::sum_int64(comm, comm.is_root() && on_root ? 1 : 0) != 0;
 }
 
 }  // namespace

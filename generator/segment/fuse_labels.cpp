@@ -1,10 +1,12 @@
 #include "generator/segment/fuse_labels.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "generator/segment/components.hpp"
 #include "generator/segment/crop.hpp"
 #include "generator/segment/distance.hpp"
+#include "generator/segment/morphology.hpp"
 #include "model/labels.hpp"
 
 namespace heart::segment {
@@ -53,8 +55,24 @@ void absorb(LabelVolume& labels, Mask& islands, double reach_mm, Takes takes) {
   }
 }
 
-/// A piece of wall next to another wall becomes that, so that no wall between two pools opens; other islands take what
-/// is nearest.
+/// The islands with a voxel that shares a corner with a chamber's blood.
+Mask beside_blood(const LabelVolume& labels, const Mask& islands) {
+  Mask blood(labels.grid);
+  for (std::size_t v = 0; v < blood.voxels.size(); ++v)
+    blood.voxels[v] = labels.voxels[v] >= tag(Region::lv_blood) && labels.voxels[v] <= tag(Region::ra_blood);
+  const Mask near = dilate(blood, 1.01 * norm(labels.grid.spacing_mm));
+  const Components pieces = connected_components(islands);
+  std::vector<std::uint8_t> touches(pieces.voxel_count.size(), 0);
+  for (std::size_t v = 0; v < islands.voxels.size(); ++v)
+    if (near.voxels[v]) touches[static_cast<std::size_t>(pieces.label.voxels[v])] = 1;
+  Mask result(labels.grid);
+  for (std::size_t v = 0; v < islands.voxels.size(); ++v)
+    result.voxels[v] = islands.voxels[v] && touches[static_cast<std::size_t>(pieces.label.voxels[v])];
+  return result;
+}
+
+/// A piece of wall next to another wall or beside blood becomes part of a wall, so that none opens; other islands take
+/// what is nearest.
 void absorb_islands(LabelVolume& all) {
   constexpr std::int64_t margin = 3;  // voxels: an island's neighbours
   const Box box = bounding_box(all, margin, [](std::uint8_t label) { return label != 0 && label <= last_heart_tag; });
@@ -68,6 +86,9 @@ void absorb_islands(LabelVolume& all) {
       mark_islands(labels, static_cast<Region>(label), is_wall(label) ? wall_islands : islands);
   const Vec3& spacing = all.grid.spacing_mm;
   absorb(labels, wall_islands, 1.01 * std::max({spacing.x, spacing.y, spacing.z}), is_wall);
+  Mask covers = beside_blood(labels, wall_islands);
+  wall_islands = subtract(wall_islands, covers);
+  absorb(labels, covers, 1e3, is_wall);
   for (std::size_t v = 0; v < islands.voxels.size(); ++v) islands.voxels[v] |= wall_islands.voxels[v];
   absorb(labels, islands, 1e3, [](std::uint8_t) { return true; });
   paste(labels, box, all);

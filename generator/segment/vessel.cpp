@@ -133,30 +133,52 @@ Mask moved_to_the_edge(const Mask& start, const Volume<float>& image, const Volu
 
 }  // namespace
 
-Mask segment_vessel(const CtVolume& angiogram, const Vec3& seed_mm, const VesselSettings& settings) {
+VesselThreshold threshold_vessel(const CtVolume& angiogram, const Vec3& seed_mm, double smoothing_hu,
+                                 double maximum_volume_ml) {
   const Index3 seed = seed_voxel(angiogram.grid, "carotid", seed_mm);
-  const double lumen = median_around(angiogram, seed_mm, lumen_radius_mm);
-  const double around = median_around(angiogram, seed_mm, around_mm);
-  if (lumen < around + least_contrast_hu)
-    throw UserError(fmt::format("the seed is not in a vessel: {:.0f} HU there, {:.0f} HU around it", lumen, around),
+  VesselThreshold result;
+  result.lumen_hu = median_around(angiogram, seed_mm, lumen_radius_mm);
+  result.around_hu = median_around(angiogram, seed_mm, around_mm);
+  if (result.lumen_hu < result.around_hu + least_contrast_hu)
+    throw UserError(fmt::format("the seed is not in a vessel: {:.0f} HU there, {:.0f} HU around it", result.lumen_hu,
+                                result.around_hu),
                     place(seed_mm), "move the seed into the lumen, or use an angiogram with contrast agent");
-  const Volume<float> image = as_float(angiogram);
   // A flat zone moves towards its surroundings by area / (2 lambda volume): a ball of 3 mm radius by smoothing_hu.
-  const Volume<float> smooth = settings.smoothing_hu > 0 ? smoothed(image, 1 / (2 * settings.smoothing_hu)) : image;
+  result.smooth = as_float(angiogram);
+  if (smoothing_hu > 0) result.smooth = smoothed(result.smooth, 1 / (2 * smoothing_hu));
   Mask bright(angiogram.grid);
   for (std::size_t v = 0; v < bright.voxels.size(); ++v)
-    bright.voxels[v] = static_cast<double>(smooth.voxels[v]) > (lumen + around) / 2;
+    bright.voxels[v] = static_cast<double>(result.smooth.voxels[v]) > (result.lumen_hu + result.around_hu) / 2;
   bright(seed[0], seed[1], seed[2]) = 1;
-  const auto limit = static_cast<std::int64_t>(settings.maximum_volume_ml * 1000 / angiogram.grid.voxel_volume_mm3());
-  const Mask start = component_of(bright, seed, limit);
-  if (count(start) == 0)
-    throw UserError(fmt::format("the vessel at the seed has more than {:.0f} ml: it runs into something else",
-                                settings.maximum_volume_ml),
-                    place(seed_mm), "crop the angiogram to the vessel, or raise maximum_volume_ml");
+  const auto limit = static_cast<std::int64_t>(maximum_volume_ml * 1000 / angiogram.grid.voxel_volume_mm3());
+  result.lumen = component_of(bright, seed, limit);
+  if (count(result.lumen) == 0)
+    throw UserError(
+        fmt::format("the vessel at the seed has more than {:.0f} ml: it runs into something else", maximum_volume_ml),
+        place(seed_mm), "crop the angiogram to the vessel, or raise maximum_volume_ml");
+  return result;
+}
+
+Mask smoothed_lumen(const Mask& rough, const Vec3& seed_mm, double curvature_mm) {
+  Mask lumen = rough;
+  if (curvature_mm > 0) {
+    Volume<float> evidence(rough.grid);
+    for (std::size_t v = 0; v < evidence.voxels.size(); ++v) evidence.voxels[v] = rough.voxels[v] ? 1.0F : -1.0F;
+    evidence = smoothed(evidence, 1 / (2 * curvature_mm));
+    for (std::size_t v = 0; v < lumen.voxels.size(); ++v) lumen.voxels[v] = evidence.voxels[v] > 0;
+  }
+  const Index3 seed = seed_voxel(rough.grid, "carotid", seed_mm);
+  lumen(seed[0], seed[1], seed[2]) = 1;
+  return fill_holes(component_of(lumen, seed));
+}
+
+Mask segment_vessel(const CtVolume& angiogram, const Vec3& seed_mm, const VesselSettings& settings) {
+  const auto [start, smooth, lumen, around] =
+      threshold_vessel(angiogram, seed_mm, settings.smoothing_hu, settings.maximum_volume_ml);
+  const Volume<float> image = as_float(angiogram);
   const auto level = edge_level(angiogram.grid, surface_of(start, image, smooth), (lumen + around) / 2);
-  Mask vessel = moved_to_the_edge(start, image, level, (lumen - around) / 2, settings.curvature_mm);
-  vessel(seed[0], seed[1], seed[2]) = 1;
-  return fill_holes(component_of(vessel, seed));
+  const Mask vessel = moved_to_the_edge(start, image, level, (lumen - around) / 2, settings.curvature_mm);
+  return smoothed_lumen(vessel, seed_mm, 0);
 }
 
 }  // namespace heart::segment

@@ -19,4 +19,18 @@ struct VesselSettings {
 /// Throws UserError for a seed outside the image, or not brighter than its surroundings, and for a leak. Root only.
 Mask segment_vessel(const CtVolume& angiogram, const Vec3& seed_mm, const VesselSettings& settings = {});
 
+struct VesselThreshold {
+  Mask lumen;
+  Volume<float> smooth;  ///< the image after its total variation smoothing
+  double lumen_hu = 0, around_hu = 0;
+};
+
+/// The first step alone: the bright component at the seed. Throws as segment_vessel does. Root only.
+VesselThreshold threshold_vessel(const CtVolume& angiogram, const Vec3& seed_mm, double smoothing_hu,
+                                 double maximum_volume_ml);
+
+/// The last step alone: the component at the seed without holes, after a smoothing by total variation whose weight of
+/// the surface is `curvature_mm` (0: none). Root only.
+Mask smoothed_lumen(const Mask& rough, const Vec3& seed_mm, double curvature_mm);
+
 }  // namespace heart::segment

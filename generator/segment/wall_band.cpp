@@ -41,13 +41,13 @@ std::vector<double> area_factors(const BandInput& band, const Mask& state) {
   return area;
 }
 
+/// Whether one of the 26 voxels around is set.
 bool touches(const Mask& mask, const Index3& at) {
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const std::int64_t step : {-1, 1}) {
-      Index3 to = at;
-      to[axis] += step;
-      if (mask.grid.contains(to[0], to[1], to[2]) && mask(to[0], to[1], to[2])) return true;
-    }
+  const auto& size = mask.grid.size;
+  for (std::int64_t k = std::max<std::int64_t>(at[2] - 1, 0); k <= std::min(at[2] + 1, size[2] - 1); ++k)
+    for (std::int64_t j = std::max<std::int64_t>(at[1] - 1, 0); j <= std::min(at[1] + 1, size[1] - 1); ++j)
+      for (std::int64_t i = std::max<std::int64_t>(at[0] - 1, 0); i <= std::min(at[0] + 1, size[0] - 1); ++i)
+        if (mask(i, j, k)) return true;
   return false;
 }
 

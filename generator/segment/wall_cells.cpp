@@ -89,6 +89,7 @@ void find_owners(HeartBand& heart) {
   NearestLabel atrium = nearest_of(chambers, Region::la_blood, Region::ra_blood);
   const NearestLabel artery = nearest_of(chambers, Region::aorta, Region::pulmonary_artery);
   heart.owner = LabelVolume(chambers.grid);
+  const double touching_mm = 1.01 * norm(chambers.grid.spacing_mm);  // centres of voxels that share a corner
   for (std::size_t v = 0; v < heart.owner.voxels.size(); ++v) {
     const double to_ventricle = static_cast<double>(ventricle.distance_mm.voxels[v]);
     const double to_atrium = static_cast<double>(atrium.distance_mm.voxels[v]);
@@ -96,7 +97,8 @@ void find_owners(HeartBand& heart) {
     const bool of_atrium = to_atrium + valve_plate_mm < to_ventricle;
     const auto chamber = (of_atrium ? atrium : ventricle).label.voxels[v];
     const double lead = joined_by_valve(chamber, artery.label.voxels[v]) ? 0 : foreign_artery_mm;
-    const bool of_artery = to_artery <= artery_wall_mm && to_artery + lead < (of_atrium ? to_atrium : to_ventricle);
+    const double to_chamber = of_atrium ? to_atrium : to_ventricle;
+    const bool of_artery = to_artery <= artery_wall_mm && to_artery + lead < to_chamber && to_chamber > touching_mm;
     heart.owner.voxels[v] = of_artery ? std::uint8_t{0} : chamber;
   }
   heart.atrium = std::move(atrium.label);

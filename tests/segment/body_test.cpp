@@ -156,6 +156,30 @@ TEST(Body, TheLiverFollowsItsSeed) {
   EXPECT_THROW(segment_body(chest.ct, chest.tree, chest.chambers, landmarks, {}), UserError);
 }
 
+/// A liver of 30 mm radius whose dome stands in the lung of one side: -1 the patient's right one.
+Mask liver_under_lung(double side, LabelVolume& truth) {
+  ToyChest chest = toy_chest();
+  const auto [nx, ny, nz] = chest.truth.grid.size;
+  for (std::int64_t v = 0; v < chest.truth.grid.voxel_count(); ++v) {
+    const Vec3 p = lps_from_index(chest.truth.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
+                                                     static_cast<double>(v / (nx * ny))});
+    if (norm(p - Vec3{28 * side, 0, -45}) > 30 || chest.truth.voxels[static_cast<std::size_t>(v)] == tag(Region::bone))
+      continue;
+    chest.truth.voxels[static_cast<std::size_t>(v)] = tag(Region::liver);
+    chest.ct.voxels[static_cast<std::size_t>(v)] = 110;
+    chest.tree[0].above.voxels[static_cast<std::size_t>(v)] = 1;
+  }
+  truth = chest.truth;
+  return segment_body(chest.ct, chest.tree, chest.chambers, {}, {}).liver;
+}
+
+TEST(Body, TheLiverIsFoundUnderTheRightLungOnly) {
+  LabelVolume truth;
+  const Mask right = liver_under_lung(-1, truth);
+  EXPECT_GT(overlap(right, truth, Region::liver), 0.9);
+  EXPECT_EQ(count(liver_under_lung(1, truth)), 0);
+}
+
 TEST(Trachea, IsFoundWithAndWithoutASeedAndDoesNotLeak) {
   const ToyChest chest = toy_chest();
   Landmarks landmarks;

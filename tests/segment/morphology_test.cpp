@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "generator/segment/distance.hpp"
+
 namespace heart::segment {
 namespace {
 
@@ -21,6 +23,18 @@ Mask ball(double radius_mm) {
 }
 
 TEST(Morphology, DilationOfAPointIsTheBall) { EXPECT_EQ(dilate(ball(0.1), 6.05).voxels, ball(6.05).voxels); }
+
+/// Small balls are laid row by row, large ones by a distance transform: both reach what is near enough, no more.
+TEST(Morphology, DilationReachesWhatIsWithinTheRadius) {
+  Mask mask = ball(0.1);
+  mask(3, 30, 2) = mask(40, 0, 24) = mask(17, 16, 12) = 1;
+  const auto distance = distance_to(mask);
+  for (const double radius : {0.5, 0.8, 1.0, 2.4, 5.0, 11.0, 19.0, 40.0}) {
+    const Mask found = dilate(mask, radius);
+    for (std::size_t v = 0; v < found.voxels.size(); ++v)
+      ASSERT_EQ(found.voxels[v] != 0, static_cast<double>(distance.voxels[v]) <= radius + 1e-4) << radius;
+  }
+}
 
 TEST(Morphology, ErosionIsTheDilationOfTheComplement) {
   const Mask eroded = erode(ball(9), 4);

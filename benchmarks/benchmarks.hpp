@@ -32,4 +32,7 @@ Table bench_ranks(const Settings& settings, const parallel::Comm& comm);
 Table bench_segment(const Settings& settings, const parallel::Comm& comm);
 Table bench_epicardium(const Settings& settings, const parallel::Comm& comm);
 
+/// On the root only; domains and sizes are its own.
+Table bench_mesh(const Settings& settings, const parallel::Comm& comm);
+
 }  // namespace heart::benchmarks

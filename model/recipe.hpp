@@ -173,7 +173,7 @@ struct EpicardiumSettings {
 };
 
 struct MeshSettings {
-  std::string backend = "cgal";  // of the heart and the torso: "lattice" or "cgal"
+  std::string backend = "lattice";  // of the heart and the torso: "lattice" or "cgal"
   std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
   double heart_edge_mm = 1.8;  // edge length in the walls of the heart
   double blood_edge_mm = 4;    // in the chambers, away from the walls
@@ -220,6 +220,8 @@ struct FiberSettings {
 struct ValidationSettings {
   double minimum_dihedral_deg = 5;
   double maximum_dihedral_deg = 175;
+  double maximum_surface_distance = 1;  // from the label map to the mesh in the heart, 99th percentile, in local edges
+  int maximum_handles_added = 2;        // handles of a region of the heart that its label map does not have
   double minimum_jacobian = 0;
   double maximum_inpainted_fraction = 0.5;
 
@@ -227,6 +229,10 @@ struct ValidationSettings {
   static void describe(V&& v, auto& s) {
     v("minimum_dihedral_deg", s.minimum_dihedral_deg, "smallest dihedral angle allowed");
     v("maximum_dihedral_deg", s.maximum_dihedral_deg, "largest dihedral angle allowed");
+    v("maximum_surface_distance", s.maximum_surface_distance,
+      "from the label map's surfaces to the mesh's in the heart, 99th percentile, in local edge lengths");
+    v("maximum_handles_added", s.maximum_handles_added,
+      "handles (holes through it) of a region of the heart that its label map does not have");
     v("minimum_jacobian", s.minimum_jacobian, "the warp's Jacobian must exceed this everywhere");
     v("maximum_inpainted_fraction", s.maximum_inpainted_fraction, "share of ventricular nodes without atlas fibres");
   }

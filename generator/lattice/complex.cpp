@@ -68,6 +68,7 @@ std::int32_t add_node(Complex& complex, const Vec3& position, LabelBits touches,
   complex.nodes_mm.push_back(position);
   complex.touches.push_back(touches);
   complex.spacing_mm.push_back(spacing_mm);
+  if (!complex.frozen.empty()) complex.frozen.push_back(0);
   complex.first.push_back(static_cast<std::int32_t>(complex.pool.size()));
   complex.count.push_back(0);
   complex.capacity.push_back(0);
@@ -134,11 +135,13 @@ void compress(Complex& complex) {
     complex.nodes_mm[next] = complex.nodes_mm[n];
     complex.touches[next] = complex.touches[n];
     complex.spacing_mm[next] = complex.spacing_mm[n];
+    if (!complex.frozen.empty()) complex.frozen[next] = complex.frozen[n];
     id[n] = static_cast<std::int32_t>(next++);
   }
   complex.nodes_mm.resize(next);
   complex.touches.resize(next);
   complex.spacing_mm.resize(next);
+  if (!complex.frozen.empty()) complex.frozen.resize(next);
   for (auto& cell : complex.cells)
     for (auto& n : cell) n = id[static_cast<std::size_t>(n)];
   connect(complex);

@@ -19,7 +19,9 @@ struct Complex {
   std::vector<Vec3> nodes_mm;
   std::vector<LabelBits> touches;  ///< per node
   std::vector<float> spacing_mm;   ///< per node: the lattice's width there
-  std::vector<Cell> cells;         ///< positively oriented; first node -1: no cell
+  /// Per node, or empty: 1 where it stays, with the edges of surfaces between two such nodes.
+  std::vector<std::uint8_t> frozen;
+  std::vector<Cell> cells;  ///< positively oriented; first node -1: no cell
   std::vector<std::uint8_t> label;
   std::vector<float> quality;  ///< of each cell, 9 where there is none
 
@@ -38,6 +40,7 @@ struct Complex {
   const Cell& cell(std::int32_t c) const { return cells[static_cast<std::size_t>(c)]; }
   int label_of(std::int32_t c) const { return label[static_cast<std::size_t>(c)]; }
   double quality_of(std::int32_t c) const { return static_cast<double>(quality[static_cast<std::size_t>(c)]); }
+  bool is_frozen(std::int32_t node) const { return !frozen.empty() && frozen[static_cast<std::size_t>(node)] != 0; }
   bool is_alive(std::int32_t c) const { return cells[static_cast<std::size_t>(c)][0] >= 0; }
 };
 

@@ -102,7 +102,7 @@ struct Merge {
 Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone) {
   std::array<Vec3, 3> places{c.at(kept)};
   std::size_t count = 1;
-  if (c.bits(kept) == c.bits(gone)) {
+  if (c.bits(kept) == c.bits(gone) && !c.is_frozen(kept)) {
     places[count++] = project(materials, c.bits(kept), 0.5 * (c.at(kept) + c.at(gone)), 3);
     places[count++] = c.at(gone);
   }
@@ -123,7 +123,8 @@ Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept
 bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone,
                    const SurfaceTolerance& tolerance) {
   const LabelBits bits = c.bits(gone);
-  if ((bits & ~c.bits(kept)) != 0 || c.star(kept).size() + c.star(gone).size() > most_cells) return false;
+  if (c.is_frozen(gone) || (bits & ~c.bits(kept)) != 0 || c.star(kept).size() + c.star(gone).size() > most_cells)
+    return false;
   const auto ring = ring_around(c, kept, gone);
   if (ring.size == 0 || touches_of(c, ring, kept, gone) != bits) return false;
   const auto merge = best_merge(c, materials, kept, gone);
@@ -147,11 +148,16 @@ bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, st
 
 bool divide_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
                  double tolerance) {
+  constexpr double shortest = 0.5;  // in lattice widths: dividing again and again only makes the bad cells smaller
+  const double width = static_cast<double>(
+      std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]));
+  if (norm(c.at(a) - c.at(b)) < shortest * width) return false;
   const auto ring = ring_around(c, a, b);
   if (ring.size == 0) return false;
   const double old = worst_quality(c, std::span(ring.cells.data(), ring.size));
   if (old <= 0) return false;
   const LabelBits touches = touches_of(c, ring, a, b);
+  if (is_constrained(touches) && c.is_frozen(a) && c.is_frozen(b)) return false;
   const Vec3 middle = project(materials, touches, 0.5 * (c.at(a) + c.at(b)), 3);
   const auto at = [&](std::int32_t n) { return c.spacing_mm[static_cast<std::size_t>(n)]; };
   const auto node = add_node(c, middle, touches, std::min(at(a), at(b)));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <span>
 #include <vector>
 
@@ -64,6 +65,7 @@ void add_filling(Complex& c, std::span<const std::int32_t> polygon, std::int32_t
 // Whether the surface may turn its diagonal from ab to first-last.
 bool may_turn(const Complex& c, const Materials& materials, const Ring& ring, std::int32_t a, std::int32_t b,
               std::int32_t first, std::int32_t last, const SurfaceTolerance& tolerance) {
+  if (c.is_frozen(a) && c.is_frozen(b)) return false;
   // What the two faces separate: both must be the same surface.
   LabelBits labels = bit_of(c.label_of(ring.cells[0]));
   if (ring.is_open) {
@@ -172,27 +174,94 @@ bool remove_face(Complex& c, std::int32_t id, std::size_t corner) {
   return true;
 }
 
+namespace {
+
+// Corners (bits 0-3), edges (4-9) and faces (10-13) of a tetrahedron, by their places in the cell.
+constexpr std::array<std::array<std::size_t, 2>, 6> edge_ends{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+/// What the other cells around a cell share with it, per label: which of its corners, edges and faces.
+struct Contacts {
+  std::array<int, 4> labels{};  // of the neighbours
+  std::array<std::uint32_t, 4> parts{};
+  std::size_t count = 0;
+};
+
+std::uint32_t shared_parts(const Cell& cell, const Cell& other) {
+  std::uint32_t corners = 0;
+  for (std::size_t i = 0; i < 4; ++i) corners |= has(other, cell[i]) ? 1U << i : 0U;
+  std::uint32_t parts = corners;
+  for (std::size_t e = 0; e < 6; ++e)
+    if ((corners >> edge_ends[e][0] & corners >> edge_ends[e][1] & 1U) != 0) parts |= 1U << (4 + e);
+  for (std::size_t f = 0; f < 4; ++f)
+    if ((corners | 1U << f) == 0xFU) parts |= 1U << (10 + f);
+  return parts;
+}
+
+// Empty where more labels than four meet.
+Contacts contacts_of(const Complex& c, std::int32_t id) {
+  Contacts contacts;
+  const Cell cell = c.cell(id);
+  for (const auto n : cell)
+    for (const auto t : c.star(n)) {
+      if (t == id) continue;
+      std::size_t i = 0;
+      while (i < contacts.count && contacts.labels[i] != c.label_of(t)) ++i;
+      if (i == contacts.labels.size()) return {};
+      if (i == contacts.count) contacts.labels[contacts.count++] = c.label_of(t);
+      contacts.parts[i] |= shared_parts(cell, c.cell(t));
+    }
+  return contacts;
+}
+
+// Whether these parts of a tetrahedron's boundary are a disc: faces that hang together, with nothing but their own
+// edges and corners.
+bool is_disc(std::uint32_t parts) {
+  const std::uint32_t faces = parts >> 10U;
+  if (faces == 0 || faces == 0xFU) return false;
+  std::uint32_t own = faces << 10U;  // any two faces of a tetrahedron share an edge
+  for (std::size_t f = 0; f < 4; ++f)
+    if ((faces >> f & 1U) != 0) {
+      own |= 0xFU & ~(1U << f);
+      for (std::size_t e = 0; e < 6; ++e)
+        if (edge_ends[e][0] != f && edge_ends[e][1] != f) own |= 1U << (4 + e);
+    }
+  return own == parts;
+}
+
+// No set of labels changes its topology when the cell goes from `own` to `other`: not the two, not together with any
+// of the labels around.
+bool keeps_topology(const Contacts& contacts, int own, int other) {
+  for (std::uint32_t set = 1; set < 1U << contacts.count; ++set) {
+    bool has_own = false, has_other = false;
+    std::uint32_t parts = 0;
+    for (std::size_t i = 0; i < contacts.count; ++i) {
+      if ((set >> i & 1U) == 0) continue;
+      has_own = has_own || contacts.labels[i] == own;
+      has_other = has_other || contacts.labels[i] == other;
+      parts |= contacts.parts[i];
+    }
+    if (has_own != has_other && !is_disc(parts)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 bool relabel_tip(Complex& c, std::int32_t id) {
   const Cell cell = c.cell(id);
   const int own = c.label_of(id);
-  std::array<int, 4> beyond;  // label across the face opposite to each node; 0 where the mesh ends
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto pair = cells_at_face(c, cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4]);
-    beyond[i] = pair[1] < 0 ? 0 : c.label_of(pair[0] == id ? pair[1] : pair[0]);
+  for (std::size_t i = 0; i < 4; ++i)  // the outside has no cells to look at
+    if (cells_at_face(c, cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4])[1] < 0) return false;
+  const auto contacts = contacts_of(c, id);
+  int other = -1, most_faces = 0;
+  for (std::size_t i = 0; i < contacts.count; ++i) {
+    const int faces = std::popcount(contacts.parts[i] >> 10U);
+    if (contacts.labels[i] == own || faces <= most_faces || !keeps_topology(contacts, own, contacts.labels[i]))
+      continue;
+    other = contacts.labels[i];
+    most_faces = faces;
   }
-  int other = 0;
-  for (const int label : beyond)
-    if (label != 0 && label != own && std::count(beyond.begin(), beyond.end(), label) >= 2) other = label;
-  if (other == 0) return false;
-  if (std::count(beyond.begin(), beyond.end(), other) == 2) {
-    // The edge between the other two faces comes onto the surface: it must lie inside the material so far.
-    std::array<std::int32_t, 2> edge{-1, -1};
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      if (beyond[i] == other) edge[count++] = cell[i];
-    const auto ring = ring_around(c, edge[0], edge[1]);
-    if (ring.size == 0 || ring.is_open || ring.arc_count != 1) return false;
-  }
+  if (other < 0) return false;
   c.label[static_cast<std::size_t>(id)] = static_cast<std::uint8_t>(other);
   for (const auto n : cell) {
     auto& bits = c.touches[static_cast<std::size_t>(n)];

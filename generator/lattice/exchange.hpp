@@ -20,9 +20,8 @@ bool remove_edge(Complex& complex, const Materials& materials, std::int32_t a, s
 /// Two cells at the face opposite to `corner` (0 to 3) become three.
 bool remove_face(Complex& complex, std::int32_t cell, std::size_t corner);
 
-/// A thin tip of one material takes the label of the material that it sticks into: a cell with two or three faces
-/// against the same other label changes to it, where that keeps surfaces whole. Nothing moves; but the nodes are freer
-/// afterwards.
+/// A cell at the thin tip or edge of a material takes the label of a neighbour, where no set of materials changes its
+/// topology. Nothing moves; but surfaces meet less sharply there, and the nodes are freer afterwards.
 bool relabel_tip(Complex& complex, std::int32_t cell);
 
 }  // namespace heart::lattice

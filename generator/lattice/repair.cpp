@@ -37,7 +37,10 @@ struct Sweep {
   int number;
   double tolerance;  // of nodes against their features
   SurfaceTolerance surface;
+  std::int64_t* budget;
 
+  /// Counts an attempt on a cell; false once there are none left.
+  bool may_try(std::int32_t cell) const { return is_bad(cell) && (*budget)-- > 0; }
   bool is_bad(std::int32_t cell) const { return complex->is_alive(cell) && complex->quality_of(cell) < goal; }
 
   void smooth_corners(std::int32_t id) const {
@@ -124,10 +127,11 @@ struct Shaker {
     }
     return sum;
   }
+  double worst() const { return worst_quality(*sweep->complex, cells); }
   void move_at_random(Noise& noise, double amplitude, const Cell* only) const {
     auto& c = *sweep->complex;
     for (const auto n : nodes) {
-      if (only != nullptr && !has(*only, n)) continue;
+      if (c.is_frozen(n) || (only != nullptr && !has(*only, n))) continue;
       const double reach = amplitude * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(n)]);
       const double x = noise.next(), y = noise.next(), z = noise.next();
       const Vec3 target = c.at(n) + reach * Vec3{x, y, z};
@@ -148,13 +152,14 @@ void shake(const Sweep& sweep, std::int32_t id, Noise& noise) {
   constexpr int tries = 8;
   Shaker shaker(sweep, id);
   const Cell cell = sweep.complex->cell(id);
-  double misery = shaker.misery();
+  double misery = shaker.misery(), worst = shaker.worst();
   for (int i = 0; i < tries && misery > 0; ++i) {
     shaker.move_at_random(noise, 0.08 + 0.03 * (i % 6), i % 2 == 0 ? &cell : nullptr);
     shaker.smooth_all();
     const double now = shaker.misery();
-    if (now < 0.999 * misery) {
+    if (now < 0.999 * misery && shaker.worst() >= worst) {
       misery = now;
+      worst = shaker.worst();
       shaker.keep();
     } else {
       shaker.go_back();
@@ -162,19 +167,21 @@ void shake(const Sweep& sweep, std::int32_t id, Noise& noise) {
   }
 }
 
-void run(const Sweep& sweep, const std::vector<std::int32_t>& bad, double least, Noise& noise, int& shakes_left) {
+void run(const Sweep& sweep, const std::vector<std::int32_t>& bad, const RepairSettings& settings, Noise& noise,
+         int& shakes_left) {
   for (const auto id : bad)
-    if (sweep.is_bad(id)) sweep.smooth_corners(id);
+    if (sweep.may_try(id)) sweep.smooth_corners(id);
   for (const auto id : bad)
-    if (sweep.is_bad(id)) sweep.change_topology(id);
+    if (sweep.may_try(id)) sweep.change_topology(id);
   if (sweep.number >= regional_from)
     for (const auto id : bad_cells(*sweep.complex, sweep.goal))
-      if (sweep.is_bad(id)) sweep.smooth_region(id);
+      if (sweep.may_try(id)) sweep.smooth_region(id);
   if (sweep.number < shake_from) return;
-  for (const auto id : bad_cells(*sweep.complex, least))
-    if (sweep.number % 2 == 1 && sweep.complex->is_alive(id)) relabel_tip(*sweep.complex, id);
-  for (const auto id : bad_cells(*sweep.complex, least))
-    if (sweep.complex->is_alive(id) && sweep.complex->quality_of(id) < least && shakes_left-- > 0)
+  if (settings.may_relabel && sweep.number % 2 == 1)
+    for (const auto id : bad_cells(*sweep.complex, settings.least))
+      if (sweep.complex->is_alive(id)) relabel_tip(*sweep.complex, id);
+  for (const auto id : bad_cells(*sweep.complex, settings.least))
+    if (sweep.complex->quality_of(id) < settings.least && shakes_left-- > 0 && sweep.may_try(id))
       shake(sweep, id, noise);
 }
 
@@ -184,10 +191,12 @@ std::int64_t repair(Complex& complex, const Materials& materials, const RepairSe
   constexpr int most_shakes = 1000, most_stalled = 3;
   Noise noise;
   int shakes_left = most_shakes, stalled = 0;
+  std::int64_t budget = settings.budget;
   auto bad = bad_cells(complex, settings.goal);
-  for (int number = 0; number < settings.sweeps && !bad.empty() && stalled < most_stalled; ++number) {
+  for (int number = 0; number < settings.sweeps && !bad.empty() && stalled < most_stalled && budget > 0; ++number) {
     const double loose = number < loosen_from ? 0 : std::min(1.0, 0.2 * (number - loosen_from + 1));
-    run({&complex, &materials, settings.goal, number, loose * settings.tolerance, {}}, bad, settings.least, noise,
+    const double tolerance = loose * settings.tolerance;
+    run({&complex, &materials, settings.goal, number, tolerance, {settings.middle}, &budget}, bad, settings, noise,
         shakes_left);
     const auto left = bad_cells(complex, settings.goal);
     stalled = left.size() < bad.size() || number < loosen_from ? 0 : stalled + 1;

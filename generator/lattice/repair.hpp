@@ -2,6 +2,7 @@
 // division, and at last small shakes; sweeps over the bad cells only. Klingner and Shewchuk 2007 (Stellar).
 #pragma once
 #include <cstdint>
+#include <limits>
 
 #include "generator/lattice/complex.hpp"
 #include "generator/lattice/materials.hpp"
@@ -12,6 +13,9 @@ struct RepairSettings {
   double goal = 0.512;      ///< quality (see quality.hpp) that every cell should have: angles in [30.8, 143] degrees
   double least = 0.49;      ///< cells below this are worth the costly shakes: angles in [29.4, 144.8] degrees
   int sweeps = 12;          ///< at most
+  double middle = 0.1;      ///< of the lattice's width: how far the middle of a new edge may leave its surface
+  bool may_relabel = true;  ///< thin tips of a region may change to the region that they stick into
+  std::int64_t budget = std::numeric_limits<std::int64_t>::max();  ///< attempts on bad cells at most
   double tolerance = 0.15;  ///< of the lattice's width: how far nodes may leave surfaces in the last sweeps
 };
 

@@ -206,10 +206,16 @@ bool is_allowed(const Complex& complex, const Materials& materials, std::int32_t
 
 bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node, double goal, double tolerance) {
   const auto cells = complex.star(node);
-  if (cells.empty() || cells.size() > most_cells || worst_quality(complex, cells) >= goal) return false;
+  if (complex.is_frozen(node) || cells.empty() || cells.size() > most_cells || worst_quality(complex, cells) >= goal)
+    return false;
   const auto n = static_cast<std::size_t>(node);
-  Smoother smoother{&complex,           &materials, node, tolerance, static_cast<double>(complex.spacing_mm[n]),
-                    complex.touches[n], {}};
+  const double spacing = static_cast<double>(complex.spacing_mm[n]);
+  if (tolerance > 0 && is_constrained(complex.touches[n])) {
+    // A node that is farther away already may go no farther.
+    const LabelBits labels = complex.touches[n] & ~side_bits;
+    tolerance = std::max(tolerance, distance_to(feature_at(materials, labels, complex.nodes_mm[n])) / spacing);
+  }
+  Smoother smoother{&complex, &materials, node, tolerance, spacing, complex.touches[n], {}};
   gather(complex, node, smoother.star);
   Vec3 position = complex.nodes_mm[n];
   Qualities q{};

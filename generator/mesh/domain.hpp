@@ -5,13 +5,15 @@
 // add up to 1 everywhere. Surfaces are taken in an order that keeps thin walls: first blood (share of the left or of
 // the right side of the heart above a half), then the heart as a whole, and the wall is what lies between. Both faces
 // of a thin wall are level sets of thick bodies, so that smoothing does not thin it. All other regions, and the
-// outside, compete by the largest share.
+// outside, compete by the largest share. Details that the torso's coarse edges cannot follow are smoothed away: what is
+// neither heart nor vessel may be smoothed more.
 #pragma once
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "model/labels.hpp"
+#include "model/recipe.hpp"
 #include "model/volume.hpp"
 
 namespace heart::mesh {
@@ -33,9 +35,14 @@ struct MeshDomain {
   static constexpr std::uint8_t mixed = 255;
 };
 
-/// The smoothing is at least 0.6 voxels along each axis: less would follow the stairs.
+/// The smoothing is at least 0.6 voxels along each axis: less would follow the stairs. Lung, bone, liver, torso and the
+/// outside are smoothed by `body_smoothing_mm` if that is more.
 /// Throws UserError for a label that is not in the table of regions, or a map without any label.
-MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm);
+MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm, double body_smoothing_mm = 0);
+
+/// What the meshes of the heart and the torso are made of: the body's smoothing grows with its finest edges as the
+/// heart's does with the heart's.
+MeshDomain make_domain(const LabelVolume& labels, const MeshSettings& settings);
 
 /// Region tag at a continuous index of the label map, 0 outside. Beyond the border voxels the map continues as it is
 /// on the border.

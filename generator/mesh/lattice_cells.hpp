@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "generator/adapters/cgal_mesher.hpp"
+#include "generator/lattice/complex.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/settle_labels.hpp"
 
@@ -12,10 +13,20 @@ namespace heart::mesh {
 
 /// What one run of the mesher took and gave, for benchmarks.
 struct LatticeReport {
-  std::vector<std::pair<std::string, double>> seconds;  ///< wall time of each step
+  std::vector<std::pair<std::string, double>> seconds;  ///< wall time of each step, of each try
   std::int64_t cells_below_goal = 0;                    ///< of the repair
 };
 
+/// The domain as materials, in mm along the axes of its grid. Both must outlive the result.
+lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes_mm);
+
+/// settle_labels for the cells of a complex.
+void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells);
+
+/// The cells of a complex whose nodes are in mm along the axes of the grid.
+adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& grid);
+
+/// Tries again with other settings where the worst cell is too bad, and keeps the best.
 /// Cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat. `manifold_sets` as in settle_labels.
 adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
                                       std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,

@@ -194,7 +194,7 @@ LabelVolume heart_only(const LabelVolume& labels) {
 
 TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report) {
   check_settings(settings);
-  const auto domain = make_domain(labels, settings.smoothing_mm);
+  const auto domain = make_domain(labels, settings);
   const bool on_lattice = settings.backend == "lattice";
   const auto sizes = size_field(domain, settings, on_lattice ? ThinParts::resolved : ThinParts::ignored);
   auto cells =

@@ -143,14 +143,13 @@ void lower_in_thin_parts(Volume<float>& sizes, const LabelVolume& labels, const 
 }
 
 void resolve_thin_parts(Volume<float>& sizes, const MeshDomain& domain, const MeshSettings& settings) {
-  constexpr double least_share = 0.25;  // of a region's edge: details far from the heart may cost so much, not more
   const auto labels = coarse_labels(domain, sizes.grid);
   const auto from_interface = segment::distance_to(interface_of(labels));
   // The sample beside an interface is half a sample away from it.
   const Vec3& spacing = sizes.grid.spacing_mm;
   const double half_sample = 0.5 * std::min({spacing.x, spacing.y, spacing.z});
   const double coarsest = std::max(settings.torso_edge_mm, settings.heart_edge_mm);
-  const double finest = std::max(settings.heart_edge_mm, least_share * coarsest);
+  const double finest = finest_body_edge_mm(settings);
   for (double edge = coarsest; edge > finest; edge /= 2) {
     const double radius = std::max(0.4 * edge - half_sample, half_sample);
     lower_in_thin_parts(sizes, labels, from_interface, radius, std::max(0.5 * edge, finest));
@@ -173,6 +172,11 @@ Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings,
   resolve_thin_parts(sizes, domain, settings);
   limit(std::max(growth_around_thin_parts, settings.growth));
   return sizes;
+}
+
+double finest_body_edge_mm(const MeshSettings& settings) {
+  constexpr double least_share = 0.25;  // of the torso's edge: details far from the heart may cost so much, not more
+  return std::max(settings.heart_edge_mm, least_share * settings.torso_edge_mm);
 }
 
 double edge_at(const Volume<float>& sizes, const Vec3& lps_mm) {

@@ -15,6 +15,9 @@ enum class ThinParts : std::uint8_t { ignored, resolved };
 Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings,
                          ThinParts thin_parts = ThinParts::ignored);
 
+/// The finest edges that thin parts of the body may get.
+double finest_body_edge_mm(const MeshSettings& settings);
+
 double edge_at(const Volume<float>& sizes, const Vec3& lps_mm);
 
 }  // namespace heart::mesh

@@ -73,6 +73,46 @@ TEST(LatticeMesh, BalancingSetsTheVolumeRightAndKeepsTheAngles) {
   expect_angles(c, 29, 145);
 }
 
+// Distance of the outer faces' centres to the sphere of radius `radius`, in mean edges of the face: p99 and greatest.
+std::array<double, 2> distances_to_sphere(const Complex& c, double radius) {
+  std::vector<double> found;
+  for (const auto& [face, count] : face_counts(c.cells)) {
+    if (count != 1) continue;
+    const Vec3 a = c.at(face[0]), b = c.at(face[1]), d = c.at(face[2]);
+    const double edge = (norm(a - b) + norm(b - d) + norm(d - a)) / 3;
+    found.push_back(std::abs(norm((a + b + d) / 3) - radius) / edge);
+  }
+  std::sort(found.begin(), found.end());
+  return {found[found.size() * 99 / 100], found.back()};
+}
+
+TEST(LatticeMesh, BalancedFacesLieCloseToTheSurfaceAndKeepItsVolume) {
+  for (const double radius : {4.0, 7.0, 12.0}) {  // 3 to 10 edges
+    const auto m = materials_of(ball(radius), radius + 2, 1.2);
+    auto c = mesh_of(m, thorough()).complex;
+    lattice::balance_surfaces(c, m, 0.49);
+    const auto distances = distances_to_sphere(c, radius);
+    EXPECT_LE(distances[0], 0.1) << radius;
+    EXPECT_LE(distances[1], 0.3) << radius;
+    const double exact = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
+    EXPECT_NEAR(volume_of(c, 1), exact, 0.002 * exact) << radius;
+  }
+}
+
+TEST(LatticeMesh, MaterialsThatMeetSharplyAreBluntedNotBroken) {
+  // A wall that thins out to nothing between two pools, at 12 degrees: no good cell fits into its edge.
+  const Fields fields{[](const Vec3& p) { return norm(p) - 11; }, [](const Vec3& p) { return p.x - 0.1 * p.z; },
+                      [](const Vec3& p) { return -p.x - 0.1 * p.z; }, [](const Vec3&) { return 0.0; }};
+  const auto m = materials_of(fields, 13, 1.1);
+  auto stuffed = lattice::stuff(m, {});
+  lattice::derive_touches(stuffed);
+  lattice::compress(stuffed);
+  const auto c = mesh_of(m).complex;
+  expect_angles(c, 25, 146);
+  EXPECT_LE(defects(c), defects(stuffed)) << "labels are not settled here: stuffing may leave pinches";
+  for (const int label : {1, 2, 3}) EXPECT_GT(volume_of(c, label), 100) << label;
+}
+
 TEST(LatticeMesh, TouchesAreTheLabelsOfTheCells) {
   const auto [c, below] = mesh_of(materials_of(four_in_a_ball(), 14, 1.2));
   std::vector<LabelBits> expected(c.nodes_mm.size(), 0);

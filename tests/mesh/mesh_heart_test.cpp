@@ -170,6 +170,21 @@ TEST(LatticeBackend, MeshesTheSmallHeartWithGoodAngles) {
   }
 }
 
+TEST(LatticeBackend, IsTheDefault) { EXPECT_EQ(MeshSettings{}.backend, "lattice"); }
+
+TEST(DelaunayBackend, MeshesTheSmallHeartToo) {
+  const auto labels = label_cube(36, 1.5, small_heart);
+  auto settings = coarse();
+  settings.backend = "cgal";
+  const auto mesh = mesh::mesh_labels(labels, settings);
+  const auto report = check(mesh);
+  EXPECT_TRUE(all_passed(report)) << failed_rows(report);
+  for (const auto region : {Region::lv_myocardium, Region::rv_myocardium, Region::lv_blood, Region::rv_blood}) {
+    const double wanted = region_volume_mm3(labels, region);
+    EXPECT_NEAR(region_volume_mm3(mesh, region), wanted, 0.06 * wanted) << region_name(tag(region));
+  }
+}
+
 TEST(LatticeBackend, UnknownBackendIsRefused) {
   auto settings = coarse();
   settings.backend = "latice";

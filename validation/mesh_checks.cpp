@@ -10,6 +10,7 @@
 #include "model/labels.hpp"
 #include "validation/cell_quality.hpp"
 #include "validation/mesh_topology.hpp"
+#include "validation/self_intersection.hpp"
 
 namespace heart::validation {
 namespace {
@@ -146,6 +147,17 @@ void add_finite_volume_rows(const Rows& rows, const Facts& facts, const auto& ac
   rows.add("skewness_max", max_skewness, "1");
 }
 
+// The outer surface and the interfaces, as the cells have them.
+std::int64_t self_intersections(const Facts& facts) {
+  const auto& mesh = *facts.mesh;
+  std::vector<Face> surfaces;
+  for (const auto& face : facts.faces)
+    if (face.other < 0 ||
+        mesh.region[static_cast<std::size_t>(face.cell)] != mesh.region[static_cast<std::size_t>(face.other)])
+      surfaces.push_back(face.nodes);
+  return static_cast<std::int64_t>(intersecting_faces(mesh.nodes_mm, surfaces).size());
+}
+
 void add_validity(const Rows& rows, const Facts& facts, std::int64_t inverted) {
   const auto& mesh = *facts.mesh;
   rows.zero("inverted_cells", inverted);
@@ -159,6 +171,7 @@ void add_validity(const Rows& rows, const Facts& facts, std::int64_t inverted) {
     crowded += face.cells > 2;
   }
   rows.zero("faces_of_more_than_two_cells", crowded);
+  rows.zero("self_intersections", self_intersections(facts));
   const auto topology = surface_topology(boundary);
   rows.zero("boundary_open_edges", topology.open_edges);
   rows.zero("boundary_non_manifold_edges", topology.non_manifold_edges);

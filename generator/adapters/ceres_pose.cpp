@@ -86,6 +86,19 @@ struct ImageMisfit {
   }
 };
 
+struct PointMisfit {
+  const AffineMap* start;
+  Vec3 center, from, to;
+
+  template <class T>
+  bool operator()(const T* rotation, const T* log_scale, const T* shear, const T* shift, T* residual) const {
+    T y[3];
+    transformed(*start, center, from, rotation, log_scale, shear, shift, y);
+    for (int axis = 0; axis < 3; ++axis) residual[axis] = y[axis] - to[axis];
+    return true;
+  }
+};
+
 struct PoseParameters {
   double rotation[3] = {0, 0, 0};
   double log_scale[1] = {0};
@@ -156,6 +169,40 @@ PoseFit fit_pose(const AffineMap& start, const Vec3& center_mm, const std::vecto
   fit.map = map_of(start, center_mm, p);
   fit.iterations = static_cast<int>(summary.iterations.size());
   fit.rms = std::sqrt(2 * summary.final_cost / static_cast<double>(points_mm.size() * targets.size()));
+  return fit;
+}
+
+PoseFit fit_points(const std::vector<Vec3>& from_mm, const std::vector<Vec3>& to_mm, PoseFreedom freedom) {
+  if (from_mm.size() < 3 || from_mm.size() != to_mm.size())
+    throw std::invalid_argument("fit_points: needs three pairs of points");
+  const auto middle = [](const std::vector<Vec3>& points) {
+    Vec3 sum;
+    for (const auto& p : points) sum += p / static_cast<double>(points.size());
+    return sum;
+  };
+  const Vec3 center = middle(from_mm);
+  AffineMap start;
+  start.offset_mm = middle(to_mm) - center;
+  PoseParameters p;
+  ceres::Problem problem;
+  for (std::size_t i = 0; i < from_mm.size(); ++i) {
+    using Cost = ceres::AutoDiffCostFunction<PointMisfit, 3, 3, 1, 9, 3>;
+    problem.AddResidualBlock(new Cost(new PointMisfit{&start, center, from_mm[i], to_mm[i]}), nullptr, p.rotation,
+                             p.log_scale, p.shear, p.shift);
+  }
+  hold_constant(problem, p, freedom);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.max_num_iterations = 200;
+  options.function_tolerance = options.parameter_tolerance = options.gradient_tolerance = 1e-14;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  PoseFit fit;
+  fit.map = map_of(start, center, p);
+  fit.iterations = static_cast<int>(summary.iterations.size());
+  fit.rms = std::sqrt(2 * summary.final_cost / static_cast<double>(from_mm.size()));
   return fit;
 }
 

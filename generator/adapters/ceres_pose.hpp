@@ -30,4 +30,8 @@ PoseFit fit_pose(const AffineMap& start, const Vec3& center_mm, const std::vecto
                  const std::vector<const Volume<float>*>& targets, const std::vector<std::vector<float>>& values,
                  PoseFreedom freedom);
 
+/// The map that brings each point of `from_mm` nearest to its partner in `to_mm` (sum of squares); the start is the
+/// shift of their middles. `rms` is in mm. At least three points that are not on one line; no mirroring.
+PoseFit fit_points(const std::vector<Vec3>& from_mm, const std::vector<Vec3>& to_mm, PoseFreedom freedom);
+
 }  // namespace heart::adapters

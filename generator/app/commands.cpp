@@ -9,6 +9,7 @@
 #include "exporters/registry.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
+#include "generator/app/mesh_certificate.hpp"
 #include "generator/app/pipeline.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/mesh/mesh_heart.hpp"
@@ -77,9 +78,7 @@ Report kept_rows(const Report& report, const std::string& group) {
   return kept;
 }
 
-ValidationSettings bundle_bounds(const std::string& bundle) {
-  return read_recipe((fs::path(bundle) / "recipe.toml").string()).validation;
-}
+Recipe bundle_recipe(const std::string& bundle) { return read_recipe((fs::path(bundle) / "recipe.toml").string()); }
 
 }  // namespace
 
@@ -119,10 +118,11 @@ int validate_command(const ValidateCommand& command) {
                     "heartgen verify lists every damaged file");
   const auto meshes = read_meshes(command.bundle);
   Report report = kept_rows(exporters::read_metrics(command.bundle), "labels");
-  append(report, certificate(meshes, bundle_bounds(command.bundle)));
+  const LabelVolume labels = exporters::read_labels(command.bundle);
+  const Recipe recipe = bundle_recipe(command.bundle);
+  append(report, certificate(meshes, labels, recipe.mesh, recipe.validation));
   if (!command.reference_labels.empty())
-    append(report, validation::compare_labels(exporters::read_labels(command.bundle),
-                                              adapters::read_labels(command.reference_labels)));
+    append(report, validation::compare_labels(labels, adapters::read_labels(command.reference_labels)));
   if (!command.reference_fibers.empty() && meshes.contains("myocardium"))
     append(report,
            validation::compare_fibers(meshes.at("myocardium"), read_reference_fibers(command.reference_fibers)));
@@ -268,11 +268,14 @@ int mesh_command(const MeshCommand& command) {
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
   if (!command.backend.empty()) settings.backend = command.backend;
   mesh::LatticeReport steps;
-  const TetMesh mesh = mesh::mesh_labels(adapters::read_labels(command.labels), settings, &steps);
+  const LabelVolume labels = adapters::read_labels(command.labels);
+  const TetMesh mesh = mesh::mesh_labels(labels, settings, &steps);
   adapters::write_vtu(command.output, mesh);
   fs::path faces(command.output);
   adapters::write_vtp(faces.replace_extension(".vtp"), mesh);
-  const Report report = validation::check_mesh(fs::path(command.output).stem().string(), mesh, {});
+  const std::string name = fs::path(command.output).stem().string();
+  Report report = validation::check_mesh(name, mesh, {});
+  append(report, check_fidelity(name, mesh, labels, settings, {}));
   if (command.json)
     fmt::print("{}\n", exporters::report_json(report));
   else {

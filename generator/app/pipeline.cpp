@@ -7,6 +7,7 @@
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/app/image_stages.hpp"
+#include "generator/app/mesh_certificate.hpp"
 #include "generator/app/run.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/atlas/atlas.hpp"
@@ -19,7 +20,6 @@
 #include "validation/contour_fit.hpp"
 #include "validation/fiber_checks.hpp"
 #include "validation/label_checks.hpp"
-#include "validation/mesh_checks.hpp"
 #include "validation/report_html.hpp"
 
 namespace heart::app {
@@ -129,10 +129,8 @@ std::vector<Region> needed_regions() {
 Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, const Meshes& meshes,
                    const fibers::FiberResult& fibers) {
   Report report = validation::check_labels(labels, needed_regions());
-  for (const auto& [name, mesh] : meshes) {
-    const Report rows = validation::check_mesh(name, mesh, recipe.validation);
-    report.insert(report.end(), rows.begin(), rows.end());
-  }
+  const Report mesh_rows = mesh_certificate(meshes, labels, recipe.mesh, recipe.validation);
+  report.insert(report.end(), mesh_rows.begin(), mesh_rows.end());
   const Report fiber_rows = validation::check_fibers(
       meshes.at("myocardium"),
       {fibers.min_jacobian, fibers.affine_rms_mm, fibers.atlas_overlap, fibers.second_mean_deg, fibers.second_p95_deg},
@@ -365,12 +363,9 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   return result;
 }
 
-Report certificate(const Meshes& meshes, const ValidationSettings& settings) {
-  Report report;
-  for (const auto& [name, mesh] : meshes) {
-    const Report rows = validation::check_mesh(name, mesh, settings);
-    report.insert(report.end(), rows.begin(), rows.end());
-  }
+Report certificate(const Meshes& meshes, const LabelVolume& labels, const MeshSettings& mesh_settings,
+                   const ValidationSettings& settings) {
+  Report report = mesh_certificate(meshes, labels, mesh_settings, settings);
   const auto myocardium = meshes.find("myocardium");
   if (myocardium != meshes.end()) {
     const Report rows = validation::check_fibers(myocardium->second, {}, settings);

@@ -27,8 +27,10 @@ struct BuildResult {
 /// Throws UserError (on every rank) for bad input; what can be checked is checked before the first stage.
 BuildResult build(const Recipe& recipe, const BuildOptions& options, const parallel::Comm& comm);
 
-/// The certificate of a bundle's meshes as `build` and `validate` make it: mesh and fibre checks.
-Report certificate(const std::map<std::string, TetMesh>& meshes, const ValidationSettings& settings);
+/// The certificate of a bundle's meshes as `build` and `validate` make it: mesh and fibre checks, and the meshes
+/// against their label map.
+Report certificate(const std::map<std::string, TetMesh>& meshes, const LabelVolume& labels,
+                   const MeshSettings& mesh_settings, const ValidationSettings& settings);
 
 /// SHA-256 of a file, or of the sorted list of a folder's files and their hashes; and the total size.
 exporters::BundleInput hash_input(const std::string& role, const std::string& path);

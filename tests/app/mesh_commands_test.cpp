@@ -1,0 +1,112 @@
+// improve and place as a user runs them.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "generator/adapters/itk_io.hpp"
+#include "model/labels.hpp"
+#include "support/data.hpp"
+#include "support/program.hpp"
+
+namespace heart {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A block of 3 × 3 × 3 cubes of six cells, the middle of it pulled into a corner; one region; legacy .vtk.
+void write_block(const fs::path& path, const std::string& arrays) {
+  std::ofstream out(path);
+  out << "# vtk DataFile Version 3.0\nblock\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 64 double\n";
+  for (int k = 0; k < 4; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i) {
+        const bool pulled = i == 1 && j == 1 && k == 1;
+        out << (pulled ? 0.2 : i) << ' ' << (pulled ? 0.3 : j) << ' ' << (pulled ? 0.4 : k) << '\n';
+      }
+  out << "CELLS 162 810\n";
+  constexpr int paths[6][2] = {{1, 3}, {3, 2}, {2, 6}, {6, 4}, {4, 5}, {5, 1}};
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i)
+        for (const auto& way : paths) {
+          const auto corner = [&](int bits) {
+            return ((k + (bits >> 2)) * 4 + j + ((bits >> 1) & 1)) * 4 + i + (bits & 1);
+          };
+          out << "4 " << corner(0) << ' ' << corner(way[0]) << ' ' << corner(way[1]) << ' ' << corner(7) << '\n';
+        }
+  out << "CELL_TYPES 162\n";
+  for (int c = 0; c < 162; ++c) out << "10\n";
+  out << arrays;
+}
+
+std::string numbers(int count) {
+  std::string text = "POINT_DATA 64\nSCALARS id int 1\nLOOKUP_TABLE default\n";
+  for (int i = 0; i < count; ++i) text += std::to_string(i) + "\n";
+  return text;
+}
+
+TEST(ImproveCommand, RaisesAnglesAndKeepsGoingThroughFormats) {
+  const auto folder = testing::scratch_folder("improve");
+  write_block(folder / "block.vtk", "");
+  const auto first = testing::heartgen("improve block.vtk better.msh --goal-deg 25 --json", folder.string());
+  ASSERT_EQ(first.exit_code, 0) << first.errors;
+  const auto result = nlohmann::json::parse(first.output);
+  EXPECT_LT(result["before"]["dihedral_min_deg"], 20);
+  EXPECT_GE(result["after"]["dihedral_min_deg"], 25 - 1e-4);
+  EXPECT_EQ(result["cells_below_goal"], 0);
+  EXPECT_TRUE(result["surfaces_unchanged"]);
+  const auto second = testing::heartgen("improve better.msh again.vtu --json", folder.string());
+  ASSERT_EQ(second.exit_code, 0) << second.errors;
+  EXPECT_EQ(nlohmann::json::parse(second.output)["before"]["dihedral_min_deg"], result["after"]["dihedral_min_deg"]);
+}
+
+TEST(ImproveCommand, NumbersOfNodesAreRefusedByName) {
+  const auto folder = testing::scratch_folder("improve_ids");
+  write_block(folder / "block.vtk", numbers(64));
+  const auto refused = testing::heartgen("improve block.vtk better.vtk", folder.string());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.errors.find("\"id\""), std::string::npos) << refused.errors;
+  EXPECT_FALSE(fs::exists(folder / "better.vtk"));
+  EXPECT_EQ(testing::heartgen("improve block.vtk better.vtk --drop id", folder.string()).exit_code, 0);
+  EXPECT_EQ(testing::heartgen("improve block.vtk better.stl", folder.string()).exit_code, 2);
+  EXPECT_EQ(testing::heartgen("improve none.vtk better.vtk", folder.string()).exit_code, 2);
+  EXPECT_EQ(testing::heartgen("improve block.vtk b.vtk --drop id --region wall", folder.string()).exit_code, 2);
+}
+
+TEST(PlaceCommand, WritesTheLabelMapAndThePose) {
+  const auto folder = testing::scratch_folder("place");
+  const auto write = [&](const std::string& name, std::int64_t shift) {
+    Grid grid;
+    grid.size = {40, 40, 40};
+    grid.spacing_mm = {3, 3, 3};
+    LabelVolume person(grid, tag(Region::torso));
+    const auto fill = [&](std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t size, Region region) {
+      for (auto k = z; k < z + size; ++k)
+        for (auto j = y; j < y + size; ++j)
+          for (auto i = x; i < x + size; ++i) person(i + shift, j, k) = tag(region);
+    };
+    fill(8, 10, 10, 18, Region::lv_myocardium);
+    fill(10, 12, 12, 5, Region::lv_blood);
+    fill(19, 12, 12, 5, Region::rv_blood);
+    fill(10, 20, 12, 5, Region::la_blood);
+    fill(19, 20, 20, 5, Region::ra_blood);
+    adapters::write_volume((folder / name).string(), person);
+  };
+  write("heart.nii.gz", 0);
+  write("torso.nii.gz", 4);
+  const auto run =
+      testing::heartgen("place heart.nii.gz torso.nii.gz placed.nii.gz --pose pose.json --json", folder.string());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const auto pose = nlohmann::json::parse(run.output);
+  EXPECT_NEAR(pose["torso_from_heart"][0][3], 12, 1e-3);
+  EXPECT_NEAR(pose["rms_mm"], 0, 1e-3);
+  EXPECT_TRUE(fs::exists(folder / "pose.json"));
+  const auto placed = adapters::read_labels((folder / "placed.nii.gz").string());
+  EXPECT_GE(placed.grid.size[0], 44) << "the heart's grid, continued to hold the torso";
+  EXPECT_EQ(testing::heartgen("place heart.nii.gz none.nii.gz placed.nii.gz", folder.string()).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace heart

@@ -1,0 +1,286 @@
+#include "validation/label_fidelity.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "generator/parallel/threads.hpp"
+#include "model/face_tree.hpp"
+#include "model/labels.hpp"
+#include "validation/mesh_topology.hpp"
+#include "validation/quantiles.hpp"
+#include "validation/region_topology.hpp"
+
+namespace heart::validation {
+namespace {
+
+constexpr double mm3_per_ml = 1000;
+constexpr std::size_t most_samples = 200'000;
+constexpr double reach_edges = 3;    // farther is "not there"
+constexpr double march_edges = 0.1;  // thinner layers may be stepped over
+constexpr int halvings = 10;
+constexpr double crumb_cells = 100;  // pieces of less than so many mean cells of their region are crumbs
+constexpr double surely_kept = 2;    // crumbs
+
+/// A face between two regions or at the end of the mesh.
+struct BoundaryFace {
+  Face nodes;
+  std::array<std::int32_t, 2> region;  // 0: the end of the mesh
+  double edge_mm;
+  Vec3 normal;
+  bool bounds(std::int32_t tag) const { return region[0] == tag || region[1] == tag; }
+};
+
+std::vector<BoundaryFace> boundary_of_regions(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
+  std::vector<BoundaryFace> result;
+  const auto region = [&](std::int32_t cell) { return cell < 0 ? 0 : mesh.region[static_cast<std::size_t>(cell)]; };
+  for (const auto& face : faces) {
+    const std::array sides{region(face.cell), region(face.other)};
+    if (sides[0] == sides[1]) continue;
+    const auto at = [&](std::size_t i) { return mesh.nodes_mm[static_cast<std::size_t>(face.nodes[i])]; };
+    const Vec3 a = at(1) - at(0), b = at(2) - at(0);
+    result.push_back({face.nodes, sides, (norm(a) + norm(b) + norm(b - a)) / 3, normalized(cross(a, b))});
+  }
+  return result;
+}
+
+/// How far from `start` towards `way` the region changes; `limit_mm` where it does not.
+double distance_to_change(const LabelAt& label_at, std::int32_t region, bool inside, const Vec3& start, const Vec3& way,
+                          double step_mm, double limit_mm) {
+  const auto differs = [&](double t) { return (label_at(start + t * way) == region) != inside; };
+  double low = 0, high = step_mm;
+  while (!differs(high)) {
+    low = high;
+    high += step_mm;
+    if (high > limit_mm) return limit_mm;
+  }
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (differs(middle) ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+struct Sample {
+  std::array<std::int32_t, 2> region;
+  double distance_mm = 0, edge_mm = 1;
+};
+
+/// `count` places of [0, total), evenly.
+std::vector<std::size_t> evenly(std::size_t total) {
+  std::vector<std::size_t> places;
+  const std::size_t count = std::min(total, most_samples);
+  for (std::size_t i = 0; i < count; ++i) places.push_back(i * total / count);
+  return places;
+}
+
+/// The normal first; where that leads far (at the rims of surfaces), the other directions too.
+double distance_to_boundary(const LabelAt& label_at, std::int32_t region, const Vec3& start, const Vec3& normal,
+                            double edge_mm) {
+  constexpr double far_edges = 0.25;
+  const bool inside = label_at(start) == region;
+  const double step = march_edges * edge_mm;
+  double nearest = reach_edges * edge_mm;
+  const auto look = [&](const Vec3& way) {
+    nearest = std::min(nearest, distance_to_change(label_at, region, inside, start, way, step, nearest));
+  };
+  look(normal);
+  look(-normal);
+  for (int way = 0; way < 27 && nearest > far_edges * edge_mm; ++way)
+    if (way != 13) look(normalized({way % 3 - 1.0, way / 3 % 3 - 1.0, way / 9 - 1.0}));
+  return nearest;
+}
+
+/// From the middle and one corner of each face: the corners of all faces together are all nodes.
+std::vector<Sample> distances_to_labels(const TetMesh& mesh, const std::vector<BoundaryFace>& faces,
+                                        const LabelAt& label_at) {
+  const auto places = evenly(2 * faces.size());
+  std::vector<Sample> samples(places.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(places.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto s = static_cast<std::size_t>(begin); s < static_cast<std::size_t>(end); ++s) {
+      const auto& face = faces[places[s] / 2];
+      const auto at = [&](std::size_t i) { return mesh.nodes_mm[static_cast<std::size_t>(face.nodes[i])]; };
+      const Vec3 start = places[s] % 2 == 0 ? (at(0) + at(1) + at(2)) / 3 : at(places[s] / 2 % 3);
+      samples[s] = {face.region, distance_to_boundary(label_at, face.region[0], start, face.normal, face.edge_mm),
+                    face.edge_mm};
+    }
+  });
+  return samples;
+}
+
+/// Neighbouring voxels with different labels: the first one's offset and the axis along which the other follows.
+struct VoxelPair {
+  Index3 at;
+  int axis;
+};
+
+std::vector<VoxelPair> changing_pairs(const Grid& grid, const std::vector<std::uint8_t>& label) {
+  std::vector<VoxelPair> pairs;
+  const std::array<std::int64_t, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i, ++v) {
+        const Index3 at{i, j, k};
+        for (std::size_t a = 0; a < 3; ++a)
+          if (at[a] + 1 < grid.size[a] && label[v] != label[v + static_cast<std::size_t>(stride[a])])
+            pairs.push_back({at, static_cast<int>(a)});
+      }
+  return pairs;
+}
+
+std::vector<std::uint8_t> labels_at_voxels(const Grid& grid, const LabelAt& label_at) {
+  std::vector<std::uint8_t> label(static_cast<std::size_t>(grid.voxel_count()));
+  parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < grid.size[1]; ++j)
+        for (std::int64_t i = 0; i < grid.size[0]; ++i)
+          label[static_cast<std::size_t>(grid.offset(i, j, k))] = static_cast<std::uint8_t>(
+              label_at(lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})));
+  });
+  return label;
+}
+
+std::vector<Sample> distances_from_labels(const Grid& grid, const std::vector<BoundaryFace>& faces,
+                                          const FaceTree& tree, const std::set<std::int32_t>& regions,
+                                          const LabelAt& label_at) {
+  const auto label = labels_at_voxels(grid, label_at);
+  const auto pairs = changing_pairs(grid, label);
+  const auto places = evenly(pairs.size());
+  std::vector<Sample> samples(places.size(), {{0, 0}, 0, 1});
+  parallel::parallel_for(0, static_cast<std::int64_t>(places.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto s = static_cast<std::size_t>(begin); s < static_cast<std::size_t>(end); ++s) {
+      const auto [at, axis] = pairs[places[s]];
+      const Vec3 index{static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])};
+      Vec3 step;
+      step[axis] = 1;
+      const Vec3 start = lps_from_index(grid, index), way = lps_from_index(grid, index + step) - start;
+      const int own = label_at(start), beyond = label_at(start + way);
+      const int region = regions.contains(own) ? own : beyond;
+      if (!regions.contains(region)) continue;
+      const double length = norm(way);
+      const double t = distance_to_change(label_at, region, region == own, start, way / length, length, 2 * length);
+      const Vec3 point = start + (t / length) * way;
+      constexpr double anywhere_mm = 1e9;
+      const auto nearest = nearest_face(
+          tree, point, anywhere_mm, [&](std::int32_t f) { return faces[static_cast<std::size_t>(f)].bounds(region); });
+      if (nearest.face < 0) continue;
+      samples[s] = {{region, region == own ? beyond : own},
+                    nearest.distance_mm,
+                    faces[static_cast<std::size_t>(nearest.face)].edge_mm};
+    }
+  });
+  return samples;
+}
+
+struct Rows {
+  Report* report;
+  std::string scope;
+  void add(const std::string& metric, double value, const char* unit, std::optional<double> at_least = {},
+           std::optional<double> at_most = {}) const {
+    report->push_back({"mesh", scope, metric, value, unit, at_least, at_most});
+  }
+};
+
+/// Samples on one region's boundary (0: all).
+void add_distances(const Rows& rows, const std::string& name, const std::vector<Sample>& samples, std::int32_t region,
+                   std::optional<double> most_edges) {
+  std::vector<double> mm, edges;
+  for (const auto& s : samples) {
+    const bool counts = region == 0 ? s.region[0] != s.region[1] : s.region[0] == region || s.region[1] == region;
+    if (!counts) continue;
+    mm.push_back(s.distance_mm);
+    edges.push_back(s.distance_mm / s.edge_mm);
+  }
+  if (mm.empty()) return;
+  rows.add(name + "_p50", quantile(mm, 0.5), "mm");
+  rows.add(name + "_p99", quantile(mm, 0.99), "mm");
+  rows.add(name + "_max", quantile(mm, 1), "mm");
+  rows.add(name + "_p99_in_edges", quantile(edges, 0.99), "edges", {}, most_edges);
+  rows.add(name + "_max_in_edges", quantile(edges, 1), "edges");
+}
+
+std::int64_t larger_than(const std::vector<double>& sizes, double least) {
+  return std::count_if(sizes.begin(), sizes.end(), [&](double s) { return s > least; });
+}
+
+/// Crumbs do not count: the mesher may drop them, and cut them off thin strands. Around the heart the mesh may be too
+/// coarse for what the label map shows: nothing is judged there (no bounds).
+void add_topology(const Rows& rows, const RegionTopology& mesh, const RegionTopology& labels, double crumb_ml,
+                  const ValidationSettings* bounds) {
+  double volume = 0, label_volume = 0;
+  for (const double v : mesh.components_ml) volume += v;
+  for (const double v : labels.components_ml) label_volume += v;
+  rows.add("volume_of_labels", label_volume, "ml");
+  if (label_volume > 0) rows.add("volume_difference", 100 * (volume / label_volume - 1), "%");
+  const auto count = [&](const char* metric, std::int64_t value) {
+    rows.add(metric, static_cast<double>(value), "count");
+  };
+  const auto at_most = [&](const char* metric, std::int64_t value, int bound) {
+    rows.add(metric, static_cast<double>(std::max<std::int64_t>(value, 0)), "count", {},
+             bounds != nullptr ? std::optional<double>(bound) : std::nullopt);
+  };
+  const auto all = [](const RegionTopology& t) { return static_cast<std::int64_t>(t.components_ml.size()); };
+  const auto pieces = larger_than(mesh.components_ml, crumb_ml);
+  const auto label_pieces = larger_than(labels.components_ml, crumb_ml);
+  count("pieces", pieces);
+  count("pieces_of_labels", label_pieces);
+  at_most("pieces_added", pieces - all(labels), 0);
+  at_most("pieces_lost", larger_than(labels.components_ml, surely_kept * crumb_ml) - all(mesh), 0);
+  count("handles", mesh.handles);
+  count("handles_of_labels", labels.handles);
+  at_most("handles_added", mesh.handles - labels.handles, bounds != nullptr ? bounds->maximum_handles_added : 0);
+  count("cavities", mesh.cavities);
+  count("cavities_of_labels", labels.cavities);
+}
+
+/// Of the region's cells, or of all where it has none.
+double mean_cell_ml(const TetMesh& mesh, std::int32_t region) {
+  double volume = 0, all = 0, count = 0;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const double v = cell_volume_mm3(mesh, mesh.cells[c]) / mm3_per_ml;
+    all += v;
+    if (mesh.region[c] == region) volume += v, ++count;
+  }
+  return count > 0 ? volume / count : all / std::max(static_cast<double>(mesh.cells.size()), 1.0);
+}
+
+std::set<std::int32_t> with_those_of(const LabelVolume& labels, std::set<std::int32_t> regions) {
+  std::array<bool, 256> present{};
+  for (const auto voxel : labels.voxels) present[voxel] = true;
+  for (std::size_t region = 1; region < present.size(); ++region)
+    if (present[region]) regions.insert(static_cast<std::int32_t>(region));
+  return regions;
+}
+
+}  // namespace
+
+Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
+                            const LabelAt& label_at, const ValidationSettings& settings) {
+  Report report;
+  const auto faces = mesh_faces(mesh);
+  const auto boundary = boundary_of_regions(mesh, faces);
+  const std::set<std::int32_t> regions(mesh.region.begin(), mesh.region.end());
+  std::vector<Face> triangles;
+  for (const auto& face : boundary) triangles.push_back(face.nodes);
+  const auto tree = make_face_tree(mesh.nodes_mm, triangles);
+  const auto to_labels = distances_to_labels(mesh, boundary, label_at);
+  const auto from_labels = distances_from_labels(labels.grid, boundary, tree, regions, label_at);
+
+  const Rows all{&report, mesh_name};
+  add_distances(all, "to_labels", to_labels, 0, {});
+  add_distances(all, "from_labels", from_labels, 0, {});
+  for (const auto region : with_those_of(labels, regions)) {
+    const bool judges = is_myocardium(static_cast<Region>(region)) || is_blood(static_cast<Region>(region));
+    const auto most_edges = judges ? std::optional(settings.maximum_surface_distance) : std::nullopt;
+    const Rows rows{&report, mesh_name + "/" + region_name(region)};
+    add_topology(rows, region_topology(mesh, faces, region), region_topology(labels, static_cast<std::uint8_t>(region)),
+                 crumb_cells * mean_cell_ml(mesh, region), judges ? &settings : nullptr);
+    add_distances(rows, "to_labels", to_labels, region, {});
+    add_distances(rows, "from_labels", from_labels, region, most_edges);
+  }
+  return report;
+}
+
+}  // namespace heart::validation

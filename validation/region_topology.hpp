@@ -1,0 +1,26 @@
+// The topology of one region: pieces, handles and cavities, of a mesh and of a label map in the same terms, so that
+// the two can be compared. A region is taken as an open set: cells hang together through faces, voxels through the
+// faces of 6 neighbours, and what lies around them through edges and corners too.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "model/tet_mesh.hpp"
+#include "model/volume.hpp"
+#include "validation/mesh_topology.hpp"
+
+namespace heart::validation {
+
+struct RegionTopology {
+  std::vector<double> components_ml;  ///< volumes of the connected pieces, largest first
+  std::int64_t handles = 0;           ///< of all pieces together: the genus of their boundaries
+  std::int64_t cavities = 0;          ///< parts of the rest that the region encloses
+};
+
+/// From the Euler characteristic of the cells, faces, edges and nodes inside the region: pieces - handles + cavities.
+RegionTopology region_topology(const TetMesh& mesh, const std::vector<MeshFace>& faces, std::int32_t region);
+
+/// The same of the voxels with value `label`; beyond the image is the outside.
+RegionTopology region_topology(const LabelVolume& labels, std::uint8_t label);
+
+}  // namespace heart::validation

@@ -5,239 +5,64 @@
 #include <cmath>
 
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/quadratic_continuation.hpp"
+#include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::atlas {
 namespace {
 
-constexpr std::array<std::array<int, 3>, 6> steps{
-    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-constexpr double least_fraction = 0.1;  // a surface nearer to a voxel centre than this share of the spacing counts so
 constexpr int continued_layers = 5;
-constexpr double surface_smoothing_voxels = 1.5;
+constexpr double surface_smoothing = 2.2;        // standard deviation, in voxels of the labels: evens out their steps
+constexpr double most_surface_smoothing_mm = 3;  // beyond, the wall's own curvature would go
 constexpr double normal_smoothing_mm = 2;
-constexpr double basal_thicknesses = 0.7, basal_mm = 2;  // so near to its end a wall is continued from below
-
-enum class Beyond : std::uint8_t { wall, endocardium, epicardium, closed };
-
-/// The wall's voxels as a list, with what lies beyond each of their six faces.
-struct WallVoxels {
-  std::vector<std::array<std::int64_t, 3>> at;
-  std::vector<std::array<std::int32_t, 6>> neighbor;  ///< number of the wall voxel there, or -1
-  std::vector<std::array<Beyond, 6>> beyond;
-};
+constexpr double least_distance_mm = 0.02;
+constexpr double thick_wall_mm = 6;  // thinner ones have too few voxels across for a quadratic continuation
 
 struct Surfaces {
   LevelSet endocardium;  ///< distance to the cavity, positive in the wall
   LevelSet epicardium;   ///< distance to the hull, negative in the wall
 };
 
+/// What both surfaces say of one voxel.
+struct Between {
+  double inner_mm = 0, outer_mm = 0;  ///< distances to endocardium and epicardium, positive in the wall
+  Vec3 from_inside, to_outside;       ///< unit
+};
+
 Part cavity_of(Part wall) { return wall == Part::lv_wall ? Part::lv_cavity : Part::rv_cavity; }
 
-Surfaces surfaces_of(const Volume<std::uint8_t>& parts, Part wall) {
+Surfaces surfaces_of(const Ventricles& ventricles, Part wall) {
+  const auto& parts = ventricles.parts;
+  const double spacing_mm = parts.grid.spacing_mm.x;
+  const double sigma_voxels =
+      std::min(surface_smoothing * std::max(ventricles.label_spacing_mm, spacing_mm), most_surface_smoothing_mm) /
+      spacing_mm;
   const auto in_cavity = [&](std::uint8_t v) { return is(v, cavity_of(wall)); };
   const auto in_left_hull = [](std::uint8_t v) {
     return is(v, Part::lv_wall) || is(v, Part::lv_cavity) || is(v, Part::other);
   };
   const auto in_heart = [](std::uint8_t v) { return !is(v, Part::outside); };
   const Mask hull = wall == Part::lv_wall ? mask_where(parts, in_left_hull) : mask_where(parts, in_heart);
-  return {signed_distance(mask_where(parts, in_cavity), surface_smoothing_voxels),
-          signed_distance(hull, surface_smoothing_voxels)};
+  return {signed_distance(mask_where(parts, in_cavity), sigma_voxels), signed_distance(hull, sigma_voxels)};
 }
 
-Beyond what_is(std::uint8_t part, Part wall) {
-  if (is(part, wall)) return Beyond::wall;
-  if (is(part, cavity_of(wall))) return Beyond::endocardium;
-  if (is(part, Part::other)) return Beyond::closed;
-  if (wall == Part::lv_wall || is(part, Part::outside)) return Beyond::epicardium;
-  return Beyond::closed;
+Between between(const Surfaces& surfaces, const Index3& at) {
+  const auto [i, j, k] = at;
+  return {surfaces.endocardium(i, j, k), -surfaces.epicardium(i, j, k),
+          normalized(gradient_at(surfaces.endocardium, i, j, k)),
+          normalized(gradient_at(surfaces.epicardium, i, j, k))};
 }
 
-WallVoxels wall_voxels(const Volume<std::uint8_t>& parts, Part wall) {
-  const Grid& g = parts.grid;
-  WallVoxels voxels;
-  Volume<std::int32_t> number(g, -1);
-  for (std::int64_t k = 0; k < g.size[2]; ++k)
-    for (std::int64_t j = 0; j < g.size[1]; ++j)
-      for (std::int64_t i = 0; i < g.size[0]; ++i)
-        if (is(parts(i, j, k), wall)) {
-          number(i, j, k) = static_cast<std::int32_t>(voxels.at.size());
-          voxels.at.push_back({i, j, k});
-        }
-  voxels.neighbor.resize(voxels.at.size());
-  voxels.beyond.resize(voxels.at.size());
-  for (std::size_t v = 0; v < voxels.at.size(); ++v)
-    for (std::size_t s = 0; s < 6; ++s) {
-      const auto i = voxels.at[v][0] + steps[s][0], j = voxels.at[v][1] + steps[s][1],
-                 k = voxels.at[v][2] + steps[s][2];
-      const bool inside = g.contains(i, j, k);
-      voxels.neighbor[v][s] = inside ? number(i, j, k) : -1;
-      voxels.beyond[v][s] = inside ? what_is(parts(i, j, k), wall) : Beyond::closed;
-    }
-  return voxels;
-}
-
-/// Share of the way to the neighbour at which the surface (zero of `level`) is crossed.
-double crossing(const LevelSet& level, const std::array<std::int64_t, 3>& at, std::size_t step) {
-  const double here = level(at[0], at[1], at[2]);
-  const double there = level(at[0] + steps[step][0], at[1] + steps[step][1], at[2] + steps[step][2]);
-  const double difference = here - there;
-  if (std::abs(difference) < 1e-9) return 0.5;
-  return std::clamp(here / difference, least_fraction, 1.0);
-}
-
-/// Laplace's equation on the wall: symmetric matrix with `diagonal`, -1 per inner face, and a right-hand side.
-struct LaplaceSystem {
-  std::vector<double> diagonal, right;
-};
-
-LaplaceSystem laplace_system(const WallVoxels& voxels, const Surfaces& surfaces) {
-  LaplaceSystem system;
-  system.diagonal.assign(voxels.at.size(), 1e-9);
-  system.right.assign(voxels.at.size(), 0);
-  for (std::size_t v = 0; v < voxels.at.size(); ++v)
-    for (std::size_t s = 0; s < 6; ++s) {
-      if (voxels.beyond[v][s] == Beyond::closed) continue;
-      double weight = 1;
-      if (voxels.beyond[v][s] == Beyond::endocardium) weight = 1 / crossing(surfaces.endocardium, voxels.at[v], s);
-      if (voxels.beyond[v][s] == Beyond::epicardium) weight = 1 / crossing(surfaces.epicardium, voxels.at[v], s);
-      system.diagonal[v] += weight;
-      if (voxels.beyond[v][s] == Beyond::epicardium) system.right[v] += weight;
-    }
-  return system;
-}
-
-double product(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t v = 0; v < a.size(); ++v) sum += a[v] * b[v];
-  return sum;
-}
-
-void apply(const WallVoxels& voxels, const LaplaceSystem& system, const std::vector<double>& x,
-           std::vector<double>& result) {
-  parallel::parallel_for(0, static_cast<std::int64_t>(x.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto v = static_cast<std::size_t>(begin); v < static_cast<std::size_t>(end); ++v) {
-      double sum = system.diagonal[v] * x[v];
-      for (const auto n : voxels.neighbor[v])
-        if (n >= 0) sum -= x[static_cast<std::size_t>(n)];
-      result[v] = sum;
-    }
-  });
-}
-
-/// Conjugate gradients, preconditioned by the diagonal, from the start value x.
-void solve(const WallVoxels& voxels, const LaplaceSystem& system, std::vector<double>& x) {
-  constexpr int most_iterations = 500;
-  constexpr double tolerance = 1e-5;
-  std::vector<double> residual(x.size()), direction, image(x.size()), scaled(x.size());
-  apply(voxels, system, x, image);
-  for (std::size_t v = 0; v < x.size(); ++v) residual[v] = system.right[v] - image[v];
-  const double goal = tolerance * tolerance * std::max(product(system.right, system.right), 1e-30);
-  double rho = 0;
-  for (int iteration = 0; iteration < most_iterations && product(residual, residual) > goal; ++iteration) {
-    for (std::size_t v = 0; v < x.size(); ++v) scaled[v] = residual[v] / system.diagonal[v];
-    const double rho_new = product(residual, scaled);
-    if (iteration == 0)
-      direction = scaled;
-    else
-      for (std::size_t v = 0; v < x.size(); ++v) direction[v] = scaled[v] + rho_new / rho * direction[v];
-    rho = rho_new;
-    apply(voxels, system, direction, image);
-    const double step = rho / product(direction, image);
-    for (std::size_t v = 0; v < x.size(); ++v) {
-      x[v] += step * direction[v];
-      residual[v] -= step * image[v];
-    }
-  }
-}
-
-std::vector<double> laplace_depth(const WallVoxels& voxels, const Surfaces& surfaces) {
-  std::vector<double> x(voxels.at.size());
-  for (std::size_t v = 0; v < x.size(); ++v) {
-    const auto& p = voxels.at[v];
-    const double inner = std::max(0.02F, surfaces.endocardium(p[0], p[1], p[2]));
-    const double outer = std::max(0.02F, -surfaces.epicardium(p[0], p[1], p[2]));
-    x[v] = inner / (inner + outer);
-  }
-  solve(voxels, laplace_system(voxels, surfaces), x);
-  return x;
-}
-
-/// Unit gradient of Laplace's solution at the wall's voxels. The solution is continued by distance / 8 mm outside the
-/// wall and smoothed a little, so that gradients exist at the faces.
-std::vector<Vec3> laplace_normals(const WallVoxels& voxels, const Surfaces& surfaces,
-                                  const std::vector<double>& solution, const Volume<std::uint8_t>& parts) {
-  constexpr float usual_wall_mm = 8;
-  constexpr double sigma_voxels = 0.8;
-  Volume<float> continued(parts.grid);
-  for (std::size_t v = 0; v < continued.voxels.size(); ++v) {
-    const float in = surfaces.endocardium.voxels[v], out = surfaces.epicardium.voxels[v];
-    continued.voxels[v] = in < 0 ? in / usual_wall_mm : out > 0 ? 1 + out / usual_wall_mm : 0;
-  }
-  for (std::size_t v = 0; v < voxels.at.size(); ++v)
-    continued(voxels.at[v][0], voxels.at[v][1], voxels.at[v][2]) = static_cast<float>(solution[v]);
-  continued = smoothed(continued, sigma_voxels);
-  std::vector<Vec3> normals(voxels.at.size());
-  for (std::size_t v = 0; v < normals.size(); ++v)
-    normals[v] = normalized(gradient_at(continued, voxels.at[v][0], voxels.at[v][1], voxels.at[v][2]));
-  return normals;
-}
-
-/// Upwind weights of one arc length equation: n . grad L = 1 towards `target`.
-struct Upwind {
-  std::vector<std::array<double, 3>> weight;
-  std::vector<std::array<std::int32_t, 3>> from;  ///< wall voxel, or -1 where the surface itself (length 0)
-};
-
-Upwind upwind_of(const WallVoxels& voxels, const std::vector<Vec3>& normal, const LevelSet& surface, Beyond target,
-                 double spacing_mm) {
-  const int sign = target == Beyond::endocardium ? -1 : 1;
-  Upwind upwind;
-  upwind.weight.assign(voxels.at.size(), {0, 0, 0});
-  upwind.from.assign(voxels.at.size(), {-1, -1, -1});
-  for (std::size_t v = 0; v < voxels.at.size(); ++v)
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double along = normal[v][static_cast<int>(axis)] * sign;
-      if (along == 0) continue;
-      const std::size_t step = 2 * axis + (along > 0 ? 1 : 0);
-      if (voxels.neighbor[v][step] >= 0) {
-        upwind.from[v][axis] = voxels.neighbor[v][step];
-        upwind.weight[v][axis] = std::abs(along) / spacing_mm;
-      } else if (voxels.beyond[v][step] == target) {
-        upwind.weight[v][axis] = std::abs(along) / (spacing_mm * crossing(surface, voxels.at[v], step));
-      }
-    }
-  return upwind;
-}
-
-/// Arc length from each voxel to the surface, by Jacobi sweeps of the upwind equation.
-std::vector<double> arc_length(const WallVoxels& voxels, const std::vector<Vec3>& normal, const LevelSet& surface,
-                               Beyond target, double spacing_mm) {
-  constexpr int most_sweeps = 80;
-  const Upwind upwind = upwind_of(voxels, normal, surface, target, spacing_mm);
-  std::vector<double> length(voxels.at.size()), next(voxels.at.size());
-  for (std::size_t v = 0; v < length.size(); ++v) {
-    const auto& p = voxels.at[v];
-    length[v] = std::max(0.1 * spacing_mm, std::abs(static_cast<double>(surface(p[0], p[1], p[2]))));
-  }
-  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-    parallel::parallel_for(0, static_cast<std::int64_t>(length.size()), [&](std::int64_t begin, std::int64_t end) {
-      for (auto v = static_cast<std::size_t>(begin); v < static_cast<std::size_t>(end); ++v) {
-        double numerator = 1, denominator = 0;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          const auto from = upwind.from[v][axis];
-          denominator += upwind.weight[v][axis];
-          if (from >= 0) numerator += upwind.weight[v][axis] * length[static_cast<std::size_t>(from)];
-        }
-        next[v] = denominator > 1e-6 ? numerator / denominator : length[v];
-      }
-    });
-    double change = 0;
-    for (std::size_t v = 0; v < length.size(); ++v) change = std::max(change, std::abs(next[v] - length[v]));
-    length.swap(next);
-    if (change < 1e-3) break;
-  }
-  return length;
+/// The gradient of the depth lies between those of the two distances, nearer to that of the nearer surface.
+void set_voxel(WallCoordinates& c, std::int64_t v, const Between& b) {
+  const auto at = static_cast<std::size_t>(v);
+  const double inner = std::max(b.inner_mm, least_distance_mm), outer = std::max(b.outer_mm, least_distance_mm);
+  const double depth = inner / (inner + outer);
+  c.known.voxels[at] = 1;
+  c.depth.voxels[at] = static_cast<float>(depth);
+  c.thickness_mm.voxels[at] = static_cast<float>(inner + outer);
+  c.normal.voxels[at] = normalized((1 - depth) * b.from_inside + depth * b.to_outside);
 }
 
 /// Offsets of the 26 neighbours.
@@ -330,56 +155,89 @@ void smooth_normals(WallCoordinates& c) {
   for (Vec3& n : c.normal.voxels) n = normalized(n);
 }
 
-double median_of(const std::vector<double>& inner, const std::vector<double>& outer) {
-  std::vector<double> sums(inner.size());
-  for (std::size_t v = 0; v < sums.size(); ++v) sums[v] = inner[v] + outer[v];
-  if (sums.empty()) return 0;
+/// The wall's voxels, x fastest.
+std::vector<Index3> voxels_of(const Volume<std::uint8_t>& parts, Part wall) {
+  const Grid& g = parts.grid;
+  std::vector<Index3> voxels;
+  for (std::int64_t k = 0; k < g.size[2]; ++k)
+    for (std::int64_t j = 0; j < g.size[1]; ++j)
+      for (std::int64_t i = 0; i < g.size[0]; ++i)
+        if (is(parts(i, j, k), wall)) voxels.push_back({i, j, k});
+  return voxels;
+}
+
+double median_thickness_mm(const std::vector<Between>& wall) {
+  if (wall.empty()) return 0;
+  std::vector<double> sums;
+  for (const Between& b : wall) sums.push_back(b.inner_mm + b.outer_mm);
   const auto half = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
   std::nth_element(sums.begin(), half, sums.end());
   return *half;
 }
 
-/// Forgets the wall nearer to its basal end than `reach_mm`: valves and roots bend its surfaces there. Returns the
-/// number of layers in which it is to be continued from below.
-int forget_basal_end(const Volume<std::uint8_t>& parts, double reach_mm, Mask& known) {
+/// Where the wall ends, at valves and roots, its surfaces bend and are no longer its own: within a few mm of what lies
+/// beyond, and in a thick wall also where the two surfaces are far from parallel.
+std::vector<std::uint8_t> at_basal_end(const Volume<std::uint8_t>& parts, const std::vector<Index3>& voxels,
+                                       const std::vector<Between>& wall, bool thick, double thickness_mm) {
+  constexpr double thick_end_mm = 5, thin_end_mm = 2, thin_end_thicknesses = 0.7;
+  constexpr double parallel_cosine = 0.906;  // 25 degrees
+  const double end_mm = thick ? thick_end_mm : thin_end_mm + thin_end_thicknesses * thickness_mm;
   const auto to_other = distance_to(mask_where(parts, [](auto v) { return is(v, Part::other); }));
-  bool any = false;
-  for (std::size_t v = 0; v < known.voxels.size(); ++v) {
-    if (!known.voxels[v] || to_other.voxels[v] >= reach_mm) continue;
-    known.voxels[v] = 0;
-    any = true;
+  std::vector<std::uint8_t> result(voxels.size());
+  for (std::size_t n = 0; n < voxels.size(); ++n) {
+    const auto [i, j, k] = voxels[n];
+    result[n] = to_other(i, j, k) < end_mm || (thick && dot(wall[n].from_inside, wall[n].to_outside) < parallel_cosine);
   }
-  return any ? static_cast<int>(reach_mm / parts.grid.spacing_mm.x) : 0;
+  return result;
+}
+
+/// Continues both surfaces of a thick wall into the voxels with `ends` by quadratic fits of their distances.
+void continue_surfaces(const Grid& grid, const std::vector<Index3>& voxels, const std::vector<std::uint8_t>& ends,
+                       std::vector<Between>& wall) {
+  constexpr double lattice_mm = 2.5;  // every so far a voxel is used for the fits
+  const auto step = std::max<std::int64_t>(1, std::llround(lattice_mm / grid.spacing_mm.x));
+  const auto point_of = [&](std::size_t n) {
+    return voxel_center(grid, grid.offset(voxels[n][0], voxels[n][1], voxels[n][2]));
+  };
+  DistanceSamples samples;
+  for (std::size_t n = 0; n < voxels.size(); ++n) {
+    const auto [i, j, k] = voxels[n];
+    if (ends[n] || i % step || j % step || k % step) continue;
+    samples.points_mm.push_back(point_of(n));
+    samples.values.push_back({wall[n].inner_mm, wall[n].outer_mm});
+  }
+  const QuadraticContinuation fits(std::move(samples));
+  parallel::parallel_for(0, static_cast<std::int64_t>(voxels.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      if (!ends[n]) continue;
+      if (const auto fit = fits(point_of(n)))
+        wall[n] = {fit->value[0], fit->value[1], normalized(fit->gradient[0]), -normalized(fit->gradient[1])};
+    }
+  });
 }
 
 }  // namespace
 
 WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
   const auto& parts = ventricles.parts;
-  const double spacing_mm = parts.grid.spacing_mm.x;
-  const Surfaces surfaces = surfaces_of(parts, wall);
-  const WallVoxels voxels = wall_voxels(parts, wall);
-  const auto solution = laplace_depth(voxels, surfaces);
-  const auto path = laplace_normals(voxels, surfaces, solution, parts);
-  const auto inner = arc_length(voxels, path, surfaces.endocardium, Beyond::endocardium, spacing_mm);
-  const auto outer = arc_length(voxels, path, surfaces.epicardium, Beyond::epicardium, spacing_mm);
+  const Surfaces surfaces = surfaces_of(ventricles, wall);
+  const auto voxels = voxels_of(parts, wall);
+  std::vector<Between> at(voxels.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(at.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      at[n] = between(surfaces, voxels[n]);
+  });
+  const double thickness_mm = median_thickness_mm(at);
+  const bool thick = thickness_mm > thick_wall_mm;
+  const auto ends = at_basal_end(parts, voxels, at, thick, thickness_mm);
+  if (thick) continue_surfaces(parts.grid, voxels, ends, at);
   WallCoordinates result{Mask(parts.grid), Volume<float>(parts.grid), Volume<float>(parts.grid),
                          Volume<Vec3>(parts.grid)};
-  for (std::size_t v = 0; v < voxels.at.size(); ++v) {
-    const auto [i, j, k] = voxels.at[v];
-    const double depth = inner[v] / (inner[v] + outer[v]);
-    const Vec3 from_inside = normalized(gradient_at(surfaces.endocardium, i, j, k));
-    const Vec3 to_outside = normalized(gradient_at(surfaces.epicardium, i, j, k));
-    const Vec3 blended = (1 - depth) * from_inside + depth * to_outside;
-    result.known(i, j, k) = 1;
-    result.depth(i, j, k) = static_cast<float>(depth);
-    result.thickness_mm(i, j, k) = static_cast<float>(inner[v] + outer[v]);
-    result.normal(i, j, k) = norm(blended) > 0.1 ? normalized(blended) : path[v];
-  }
+  for (std::size_t n = 0; n < voxels.size(); ++n)
+    if (thick || !ends[n]) set_voxel(result, parts.grid.offset(voxels[n][0], voxels[n][1], voxels[n][2]), at[n]);
   smooth_normals(result);
-  const double basal_end_mm = basal_thicknesses * median_of(inner, outer) + basal_mm;
-  const int layers = continued_layers + forget_basal_end(parts, basal_end_mm, result.known);
-  continue_layers(result, layers);
+  const double unknown_mm = thick || thickness_mm <= 0 ? 0 : thickness_mm + 2;
+  continue_layers(result, continued_layers + static_cast<int>(unknown_mm / parts.grid.spacing_mm.x));
   return result;
 }
 

@@ -1,9 +1,10 @@
-// Wall depth and local directions of a ventricle's wall. Depth is L0 / (L0 + L1): L0, L1 the lengths of the paths from
-// a point to the endocardium and to the epicardium along the gradient of Laplace's solution (Yezzi and Prince, IEEE
-// TMI 22, 2003). Laplace's solution itself, taken as a depth, is biased where walls are thick and curved.
+// Wall depth and local directions of a ventricle's wall. Depth is L0 / (L0 + L1): L0, L1 the distances to endocardium
+// and epicardium (Potse et al., IEEE TBME 53, 2006), taken from surfaces that are smooth below the voxel; its gradient
+// is the wall's normal. Laplace's solution, taken as a depth, is biased where walls are thick and curved; lengths of
+// its paths are not, but they follow the voxels' steps.
 // The endocardium is where the wall meets its own cavity; the epicardium is its other surface: for the left ventricle
 // also the septum's right side; for the right ventricle the outside only (nothing flows where it meets the left wall).
-// Near atria and vessels, where valves bend the surfaces, the wall is continued from below.
+// Near atria and vessels, where valves bend the surfaces, they are continued from below.
 // Not collective; the same bits for any number of threads.
 #pragma once
 #include <optional>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "generator/atlas/axis_tensor.hpp"
@@ -173,7 +174,7 @@ std::optional<Opening> contact_disc(const LabelVolume& labels, Region ventricle,
   return opening;
 }
 
-std::vector<Opening> openings_of(const LabelVolume& labels, const Landmarks& landmarks) {
+std::map<std::string, Opening> openings_of(const LabelVolume& labels, const Landmarks& landmarks) {
   struct Valve {
     const char* name;
     Region ventricle, beyond;
@@ -182,22 +183,23 @@ std::vector<Opening> openings_of(const LabelVolume& labels, const Landmarks& lan
                                          {"aortic", Region::lv_blood, Region::aorta},
                                          {"tricuspid", Region::rv_blood, Region::ra_blood},
                                          {"pulmonary", Region::rv_blood, Region::pulmonary_artery}}};
-  std::vector<Opening> openings;
+  std::map<std::string, Opening> openings;
   for (const Valve& valve : valves) {
     if (const auto known = landmarks.valves.find(valve.name); known != landmarks.valves.end())
-      openings.push_back({known->second.center_mm, known->second.normal, known->second.radius_mm});
+      openings[valve.name] = {known->second.center_mm, known->second.normal, known->second.radius_mm};
     else if (const auto found = contact_disc(labels, valve.ventricle, valve.beyond))
-      openings.push_back(*found);
+      openings[valve.name] = *found;
   }
   return openings;
 }
 
 /// Only what lies beyond a valve is no epicardium: muscle that faces it ends there as at a cut. Where atria and vessels
 /// lie upon a ventricle, its wall has its outer surface like anywhere else.
-void close_base(Volume<std::uint8_t>& parts, const std::vector<Opening>& openings) {
+void close_base(Volume<std::uint8_t>& parts, const std::map<std::string, Opening>& openings) {
   constexpr double rim_mm = 12;  // of muscle around a valve
   const auto beyond = [&](const Vec3& p) {
-    return std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
+    return std::any_of(openings.begin(), openings.end(), [&](const auto& named) {
+      const Opening& opening = named.second;
       const Vec3 d = p - opening.center_mm;
       const double height = dot(d, opening.normal);
       return height > 0 && norm(d - height * opening.normal) < opening.radius_mm + rim_mm;
@@ -240,6 +242,61 @@ Vec3 patient_base_point(const LabelVolume& labels, const Landmarks& landmarks, c
     }
   const Vec3 middle = mean_of(blood);
   return middle + (percentile(along, 0.03) - dot(middle, axis)) * axis;
+}
+
+struct CutPlane {
+  Vec3 point_mm, normal;  ///< unit, to the apex
+};
+
+/// Total least squares.
+CutPlane plane_through(const std::vector<Vec3>& points) {
+  const Vec3 middle = mean_of(points);
+  AxisTensor spread;
+  for (const Vec3& p : points) spread += axis_tensor(p - middle);
+  // Least spread is along the normal: the leading axis of what the spread lacks.
+  const double all = trace(spread);
+  AxisTensor lack = -1.0 * spread;
+  for (std::size_t c = 0; c < 3; ++c) lack.c[c] += all;
+  return {middle, leading_axis(lack)};
+}
+
+/// The plane in which ventricles without atria are cut: there, and only there, their blood meets what is no part of the
+/// heart. Empty where that is no plane across the axis.
+std::optional<CutPlane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3& axis) {
+  constexpr std::size_t least_voxels = 100;
+  constexpr int rounds = 8;
+  constexpr double used_share = 0.6;  // the rest may lie in a valve's orifice below the cut
+  constexpr double flat_mm = 1.5, least_cosine = 0.8;
+  const Grid& g = parts.grid;
+  const auto outside = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return g.contains(i, j, k) && is(parts(i, j, k), Part::outside);
+  };
+  std::vector<Vec3> points;
+  for (std::int64_t k = 0; k < g.size[2]; ++k)
+    for (std::int64_t j = 0; j < g.size[1]; ++j)
+      for (std::int64_t i = 0; i < g.size[0]; ++i) {
+        if (!is(parts(i, j, k), Part::lv_cavity) && !is(parts(i, j, k), Part::rv_cavity)) continue;
+        if (std::any_of(faces.begin(), faces.end(), [&](auto s) { return outside(i + s[0], j + s[1], k + s[2]); }))
+          points.push_back(voxel_center(g, g.offset(i, j, k)));
+      }
+  if (points.size() < least_voxels) return std::nullopt;
+  const auto height = [](const CutPlane& plane, const Vec3& p) { return dot(p - plane.point_mm, plane.normal); };
+  CutPlane plane = plane_through(points);
+  for (int round = 0; round < rounds; ++round) {
+    std::stable_sort(points.begin(), points.end(), [&](const Vec3& p, const Vec3& q) {
+      return std::abs(height(plane, p)) < std::abs(height(plane, q));
+    });
+    plane =
+        plane_through({points.begin(),
+                       points.begin() + static_cast<std::ptrdiff_t>(used_share * static_cast<double>(points.size()))});
+  }
+  const auto flat =
+      std::count_if(points.begin(), points.end(), [&](const Vec3& p) { return std::abs(height(plane, p)) < flat_mm; });
+  if (static_cast<double>(flat) < used_share * static_cast<double>(points.size()) ||
+      std::abs(dot(plane.normal, axis)) < least_cosine)
+    return std::nullopt;
+  if (dot(plane.normal, axis) < 0) plane.normal = -plane.normal;
+  return plane;
 }
 
 bool has_atria(const LabelVolume& labels) {
@@ -302,7 +359,9 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   check_regions(labels);
   const Grid grid = isotropic_grid_around(labels, is_ventricular, spacing_mm, grid_margin_mm);
   const bool atria = has_atria(labels);
+  const Vec3& voxel = labels.grid.spacing_mm;
   Ventricles result;
+  result.label_spacing_mm = std::cbrt(voxel.x * voxel.y * voxel.z);
   result.parts = resampled(parts_of_labels(papillary_as_blood(labels)), grid);
   if (atria) close_base(result.parts, openings_of(labels, landmarks));
   Vec3 normal = rough_axis(labels);
@@ -313,11 +372,22 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
     normal = result.frame.long_axis;
   }
   result.frame = heart_frame(result.parts, base, normal);
-  if (!atria) mirror_above_base(result.parts, result.frame.base_point_mm, result.frame.base_normal);
-  const Vec3& voxel = labels.grid.spacing_mm;
+  if (!atria) {
+    const auto cut =
+        cut_plane(result.parts, normal).value_or(CutPlane{result.frame.base_point_mm, result.frame.base_normal});
+    mirror_above_base(result.parts, cut.point_mm, cut.normal);
+  }
   if (std::max({voxel.x, voxel.y, voxel.z}) <= trabeculae_resolved_mm)
     for (const Part wall : {Part::lv_wall, Part::rv_wall}) give_trabeculae_to_cavity(result.parts, wall);
   return result;
+}
+
+std::optional<double> heart_handedness(const LabelVolume& labels, const Landmarks& landmarks, const HeartFrame& frame) {
+  const auto openings = openings_of(labels, landmarks);
+  const auto inflow = openings.find("tricuspid"), outflow = openings.find("pulmonary");
+  if (inflow == openings.end() || outflow == openings.end()) return std::nullopt;
+  const Vec3 across = cross(frame.rv_side, frame.long_axis);
+  return dot(across, normalized(outflow->second.center_mm - inflow->second.center_mm));
 }
 
 AtlasImage image_of_labels(const LabelVolume& labels, const Volume<Vec3>& fiber, const Landmarks& landmarks,

@@ -1,6 +1,8 @@
 // The two ventricles as a label image with an anatomical frame: the common language of patient and atlas.
 // Not collective; the same bits for any number of threads.
 #pragma once
+#include <optional>
+
 #include "generator/atlas/atlas.hpp"
 #include "model/landmarks.hpp"
 #include "model/volume.hpp"
@@ -34,6 +36,7 @@ struct Ventricles {
   Volume<std::uint8_t> parts;  ///< tags of Part; isotropic, identity direction; goes on above the base, so that walls
                                ///< end there neither at an endocardium nor at an epicardium
   HeartFrame frame;
+  double label_spacing_mm = 0;  ///< of the labels that the parts come from: how coarse their steps are; 0: as the parts
 };
 
 inline double depth_below_base_mm(const HeartFrame& frame, const Vec3& point_mm) {
@@ -47,6 +50,12 @@ Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles);
 /// base plane passes through the mitral valve (landmarks, else where lv_blood meets la_blood, else the upper end of
 /// lv_blood). Throws UserError when the wall or the blood of a ventricle is missing.
 Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& landmarks, double spacing_mm);
+
+/// Which of the two mirror images a heart is, from itself alone, whatever the image's header says: the right ventricle
+/// runs from the tricuspid to the pulmonary valve with the apex below and the left ventricle behind it, so the
+/// direction between the two lies along rv_side × long_axis. 1: as in nearly everybody; -1: mirrored; empty where a
+/// valve is neither a landmark nor found where the labels meet.
+std::optional<double> heart_handedness(const LabelVolume& labels, const Landmarks& landmarks, const HeartFrame& frame);
 
 /// An atlas on a grid, in a frame of its own: the base at the top (+z), the apex below.
 struct AtlasImage {

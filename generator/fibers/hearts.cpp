@@ -84,6 +84,19 @@ void check_handedness(const WallSamples& lv, const std::string& name) {
                     name, "change the sign of one coordinate of its points and of its vectors");
 }
 
+/// A mirrored image looks like a heart everywhere and gets fibres of the wrong hand.
+void check_patient_handedness(const LabelVolume& labels, const Landmarks& landmarks, const atlas::HeartFrame& frame) {
+  constexpr double clearly = -0.3;
+  const auto handedness = heart_handedness(labels, landmarks, frame);
+  if (handedness && *handedness < clearly)
+    throw UserError(
+        "the heart is mirrored: from its apex, with the left ventricle behind, the pulmonary valve lies on "
+        "the wrong side of the tricuspid valve",
+        "fibers",
+        "check the orientation in the image's header, or how the image was converted; a heart "
+        "that truly is mirrored (situs inversus) needs an atlas of its own");
+}
+
 /// Share of the left ventricle in the field at a point: 1 in its wall, 0 in the right one's, linear between.
 std::vector<double> left_shares(const atlas::Ventricles& patient, const std::vector<Vec3>& points_mm) {
   const auto to_lv = atlas::distance_to(atlas::mask_where(patient.parts, [](auto v) { return is(v, Part::lv_wall); }));
@@ -130,6 +143,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
   hearts.by_place = {std::move(lv.by_place), std::move(rv.by_place)};
   hearts.by_coordinates = {std::move(lv.by_coordinates), std::move(rv.by_coordinates)};
   hearts.patient = atlas::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm);
+  check_patient_handedness(labels, landmarks, hearts.patient.frame);
   hearts.registration = register_atlas(hearts.patient, hearts.atlas.ventricles, settings);
   hearts.patient_walls.lv = wall_coordinates(hearts.patient, Part::lv_wall);
   hearts.patient_walls.rv = wall_coordinates(hearts.patient, Part::rv_wall);

@@ -28,7 +28,8 @@ struct Hearts {
 };
 
 /// `labels`: tags of labels.hpp. Throws UserError where a ventricle is missing, where the atlas has no fibres in one,
-/// is mirrored (by its helix) or cannot be aligned. `atlas_name` is for the messages.
+/// is mirrored (by its helix) or cannot be aligned, and where the patient is mirrored (by the heart's own shape).
+/// `atlas_name` is for the messages.
 Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atlas::AtlasImage atlas,
                       const std::string& atlas_name, const FiberSettings& settings);
 

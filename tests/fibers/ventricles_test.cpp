@@ -1,0 +1,145 @@
+// The ventricles of a label map: which mirror image they are, and how their walls go on where they are cut.
+#include "generator/atlas/ventricles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "datasets/phantom/phantom.hpp"
+#include "generator/atlas/coordinates.hpp"
+#include "generator/atlas/quadratic_continuation.hpp"
+#include "generator/atlas/resample.hpp"
+#include "generator/fibers/hearts.hpp"
+#include "generator/parallel/threads.hpp"
+#include "model/error.hpp"
+#include "model/labels.hpp"
+
+namespace heart {
+namespace {
+
+using atlas::Part;
+
+/// The phantom's heart as labels.
+struct LabelledHeart {
+  datasets::HeartModel model;
+  Landmarks landmarks;
+  LabelVolume labels;
+};
+
+LabelledHeart labelled_heart(int variant, double spacing_mm) {
+  constexpr double half_mm = 95;
+  LabelledHeart heart{datasets::make_heart_model(variant), {}, {}};
+  heart.landmarks = datasets::landmarks_of(heart.model);
+  const Vec3 middle = 0.5 * (heart.landmarks.seeds_mm.at("lv_blood") + heart.landmarks.seeds_mm.at("rv_blood"));
+  Grid grid;
+  const auto count = static_cast<std::int64_t>(2 * half_mm / spacing_mm);
+  grid.size = {count, count, count};
+  grid.spacing_mm = {spacing_mm, spacing_mm, spacing_mm};
+  grid.origin_mm = middle - Vec3{half_mm, half_mm, half_mm};
+  heart.labels = LabelVolume(grid);
+  parallel::parallel_for(0, grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v)
+      heart.labels.voxels[static_cast<std::size_t>(v)] =
+          tag(datasets::region_at(heart.model, atlas::voxel_center(grid, v)));
+  });
+  return heart;
+}
+
+LabelVolume mirrored(const LabelVolume& labels) {
+  LabelVolume result(labels.grid);
+  const auto& n = labels.grid.size;
+  for (std::int64_t k = 0; k < n[2]; ++k)
+    for (std::int64_t j = 0; j < n[1]; ++j)
+      for (std::int64_t i = 0; i < n[0]; ++i) result(i, j, k) = labels(n[0] - 1 - i, j, k);
+  return result;
+}
+
+TEST(HeartHandedness, TellsAMirroredHeartWhateverItsPose) {
+  for (const int variant : {0, 3}) {
+    const auto heart = labelled_heart(variant, 3);
+    const auto plain = atlas::ventricles_of_labels(heart.labels, {}, 3);
+    const auto flipped_labels = mirrored(heart.labels);
+    const auto flipped = atlas::ventricles_of_labels(flipped_labels, {}, 3);
+    const auto right = heart_handedness(heart.labels, {}, plain.frame);
+    const auto wrong = heart_handedness(flipped_labels, {}, flipped.frame);
+    ASSERT_TRUE(right && wrong);
+    EXPECT_GT(*right, 0.6);
+    EXPECT_LT(*wrong, -0.6);
+  }
+}
+
+TEST(HeartHandedness, AMirroredPatientIsRefusedByName) {
+  const auto heart = labelled_heart(0, 3);
+  Volume<Vec3> fiber(heart.labels.grid);
+  for (std::size_t v = 0; v < fiber.voxels.size(); ++v)
+    if (heart.labels.voxels[v] == tag(Region::lv_myocardium) || heart.labels.voxels[v] == tag(Region::rv_myocardium))
+      fiber.voxels[v] = datasets::fiber_at(heart.model, atlas::voxel_center(fiber.grid, static_cast<std::int64_t>(v)));
+  FiberSettings settings;
+  settings.grid_mm = settings.depth_grid_mm = 3;
+  try {
+    fibers::prepare_hearts(mirrored(heart.labels), {}, atlas::image_of_labels(heart.labels, fiber, heart.landmarks, 3),
+                           "phantom", settings);
+    FAIL() << "a mirrored heart was accepted";
+  } catch (const UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("the heart is mirrored"), std::string::npos) << error.what();
+  }
+}
+
+/// Mean error of the left wall's depth within `reach_mm` below a plane.
+double depth_error_below(const LabelledHeart& heart, const Vec3& point, const Vec3& normal, double reach_mm) {
+  const auto ventricles = atlas::ventricles_of_labels(heart.labels, {}, heart.labels.grid.spacing_mm.x);
+  const auto wall = wall_coordinates(ventricles, Part::lv_wall);
+  double sum = 0, count = 0;
+  for (std::size_t v = 0; v < heart.labels.voxels.size(); ++v) {
+    if (heart.labels.voxels[v] != tag(Region::lv_myocardium)) continue;
+    const Vec3 p = atlas::voxel_center(heart.labels.grid, static_cast<std::int64_t>(v));
+    if (dot(point - p, normal) > reach_mm) continue;
+    const double known = datasets::depth_at(heart.model, p);
+    const auto at = wall_point(wall, ventricles.frame, p);
+    if (std::isnan(known) || !at) continue;
+    sum += std::abs(at->depth - known);
+    ++count;
+  }
+  EXPECT_GT(count, 1000);
+  return sum / count;
+}
+
+TEST(CutVentricles, WallsGoOnAcrossACutThatIsNotSquareToTheAxis) {
+  auto heart = labelled_heart(1, 2);
+  const Vec3 up = datasets::long_axis(heart.model), side = normalized(cross(up, Vec3{0, 0, 1}));
+  const Vec3 point = heart.landmarks.valves.at("mitral").center_mm - 8 * up;
+  const Vec3 normal = std::cos(0.26) * up + std::sin(0.26) * side;
+  for (std::size_t v = 0; v < heart.labels.voxels.size(); ++v) {
+    auto& label = heart.labels.voxels[v];
+    const bool ventricle = label == tag(Region::lv_myocardium) || label == tag(Region::rv_myocardium) ||
+                           label == tag(Region::lv_blood) || label == tag(Region::rv_blood) ||
+                           label == tag(Region::papillary);
+    const Vec3 p = atlas::voxel_center(heart.labels.grid, static_cast<std::int64_t>(v));
+    if (!ventricle || dot(p - point, normal) > 0) label = 0;
+  }
+  EXPECT_LT(depth_error_below(heart, point, normal, 12), 0.06);
+}
+
+TEST(QuadraticContinuation, IsExactForPlanesAndHoldsTheCurvatureOfASphere) {
+  constexpr double radius_mm = 30;
+  atlas::DistanceSamples samples;
+  const auto plane = [](const Vec3& p) { return 2 * p.x - 0.5 * p.y + p.z - 7; };
+  for (double x = -16; x <= 16; x += 2)
+    for (double y = -16; y <= 0; y += 2)
+      for (double z = 28; z <= 40; z += 2) {
+        samples.points_mm.push_back({x, y, z});
+        samples.values.push_back({plane({x, y, z}), norm(Vec3{x, y, z}) - radius_mm});
+      }
+  const atlas::QuadraticContinuation continued(samples);
+  const Vec3 beyond = 34.0 * normalized({0, 0.12, 1});  // 4 mm from the nearest sample, 4 mm above the sphere
+  const auto fit = continued(beyond);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->value[0], plane(beyond), 1e-3);
+  EXPECT_NEAR(norm(fit->gradient[0] - Vec3{2, -0.5, 1}), 0, 1e-3);
+  EXPECT_NEAR(fit->value[1], 4, 0.7);
+  EXPECT_GT(dot(normalized(fit->gradient[1]), normalized(beyond)), 0.98);
+  EXPECT_FALSE(continued({500, 0, 0}));
+}
+
+}  // namespace
+}  // namespace heart

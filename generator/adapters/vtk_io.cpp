@@ -187,6 +187,22 @@ void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, std::int3
   write_patch(path, mesh, face_patch(mesh, &surface_tag), {});
 }
 
+void write_vtu(const std::filesystem::path& path, const TriMesh& mesh) {
+  vtkNew<vtkUnstructuredGrid> grid;
+  grid->SetPoints(borrow_points(mesh.nodes_mm));
+  grid->SetCells(VTK_TRIANGLE, cell_array(mesh.triangles));
+  add(grid->GetCellData(), "region", mesh.region);
+  write_xml<vtkXMLUnstructuredGridWriter>(path, grid);
+}
+
+void write_vtp(const std::filesystem::path& path, const TriMesh& mesh) {
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(borrow_points(mesh.nodes_mm));
+  data->SetLines(cell_array(mesh.edges));
+  data->GetCellData()->AddArray(borrow("curve", mesh.curve));
+  write_xml<vtkXMLPolyDataWriter>(path, data);
+}
+
 void write_unstructured(const std::filesystem::path& path, const UnstructuredData& data) {
   vtkNew<vtkUnstructuredGrid> grid;
   grid->SetPoints(borrow_points(data.points));

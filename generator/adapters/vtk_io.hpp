@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "model/tet_mesh.hpp"
+#include "model/tri_mesh.hpp"
 
 namespace heart::adapters {
 
@@ -28,6 +29,12 @@ void write_vtp(const std::filesystem::path& path, const TetMesh& mesh);
 
 /// Only the faces whose tag is `surface_tag`, with the points they use.
 void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, std::int32_t surface_tag);
+
+/// Triangles with their `region`.
+void write_vtu(const std::filesystem::path& path, const TriMesh& mesh);
+
+/// All nodes and the labelled edges: cell array `curve` int32.
+void write_vtp(const std::filesystem::path& path, const TriMesh& mesh);
 
 /// The inverse of write_vtu: faces, surface and rims are empty.
 TetMesh read_vtu(const std::filesystem::path& path);

@@ -11,7 +11,10 @@
 #include "generator/app/commands.hpp"
 #include "generator/app/contours_command.hpp"
 #include "generator/app/fiber_accuracy_command.hpp"
+#include "generator/app/improve_command.hpp"
+#include "generator/app/place_command.hpp"
 #include "generator/app/segment_command.hpp"
+#include "generator/app/slice_command.hpp"
 #include "generator/app/study_command.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/labels/presets.hpp"
@@ -38,6 +41,9 @@ struct Program {
   FilterCommand filter{};
   SegmentCommand segment{};
   MeshCommand mesh{};
+  ImproveCommand improve{};
+  PlaceCommand place{};
+  SliceCommand slice{};
   PhantomCommand phantom{};
   ContoursCommand contours{};
   AccuracyCommand accuracy{};
@@ -204,6 +210,60 @@ void add_tools(Program& p) {
   phantom->add_option("--noise", p.phantom.noise_hu, "standard deviation of the noise, HU (default 22)");
 }
 
+void add_slice(Program& p) {
+  auto* sub = subcommand(p, "slice",
+                         "Mesh a transverse slice with four subdomains: myocardium, heart cavities, lungs, torso "
+                         "(exit 3 when an angle is outside [28, 120] degrees)",
+                         "heartgen slice bundle slice.vtu --z -40 --edge 0.5",
+                         on_root(p, [&p] { return slice_command(p.slice); }));
+  sub->add_option("labels", p.slice.input, "label map, or folder of a bundle")->required();
+  sub->add_option("output", p.slice.output,
+                  "mesh to write: .vtu (labelled edges in a .vtp beside it) or .msh (gmsh 2.2)")
+      ->required();
+  sub->add_option("--index", p.slice.index, "slice, counted from 0 along the third axis of the label map");
+  sub->add_option("--z", p.slice.z_mm, "height of the slice instead, LPS z in mm");
+  sub->add_option("--edge", p.slice.edge_mm,
+                  "edge length in the myocardium, mm; half of it at interfaces (default 0.5)");
+  sub->add_option("--torso-edge", p.slice.torso_edge_mm, "edge length far from the heart, mm (default 6)");
+  sub->add_option("--growth", p.slice.growth, "increase of the edge length per mm from the myocardium (default 0.12)");
+  sub->add_flag("--json", p.slice.json, "print as JSON");
+}
+
+void add_place(Program& p) {
+  auto& c = p.place;
+  auto* sub = subcommand(p, "place", "Put a heart into another patient's torso: one label map to build from",
+                         "heartgen place heart.nii.gz torso.nii.gz placed.nii.gz --scale --pose pose.json\n"
+                         "  heartgen build recipe.toml --labels placed.nii.gz --output bundle",
+                         on_root(p, [&p] { return place_command(p.place); }));
+  sub->add_option("heart", c.heart, "label map with the heart, with the tags of a bundle")->required();
+  sub->add_option("torso", c.torso, "label map with the torso, with the tags of a bundle")->required();
+  sub->add_option("output", c.output, "label map to write: the heart's grid, continued")->required();
+  sub->add_option("--heart-landmarks", c.heart_landmarks, "valves and apex of the heart (.json)");
+  sub->add_option("--torso-landmarks", c.torso_landmarks, "valves and apex in the torso's image (.json)");
+  sub->add_flag("--scale", c.with_scale, "let the torso's size follow the heart's");
+  sub->add_option("--pose", c.pose, "file for the pose (.json)");
+  sub->add_flag("--json", c.json, "print the pose as JSON");
+}
+
+void add_improve(Program& p) {
+  auto& c = p.improve;
+  auto* sub = subcommand(p, "improve", "Raise the worst angles of any tetrahedral mesh; regions and surfaces stay",
+                         "heartgen improve mine.msh better.msh --goal-deg 20\n"
+                         "  heartgen improve heart.vtu better.vtu --slide 0.05 --drop GlobalNodeID",
+                         on_root(p, [&p] { return improve_command(p.improve); }));
+  sub->add_option("input", c.input, "mesh: .vtu, .vtk or .msh (2.2 or 4.1 as text)")->required();
+  sub->add_option("output", c.output, "mesh to write: .vtu, .vtk or .msh")->required();
+  sub->add_option("--goal-deg", c.settings.goal_deg, "dihedral angles to reach, 1 to 40 (default 20)");
+  sub->add_option("--slide", c.settings.slide_mm,
+                  "how far surfaces may come off the given ones, in the mesh's unit (default 0: unchanged)");
+  sub->add_option("--feature-deg", c.settings.feature_deg,
+                  "with --slide: edges where a surface turns by more stay (default 30)");
+  sub->add_option("--budget", c.settings.budget, "attempts on bad cells at most (default 10 000 000)");
+  sub->add_option("--region", c.region, "cell array with the regions (default: region, gmsh:physical, material ...)");
+  sub->add_option("--drop", c.drop, "arrays to leave out, separated by commas")->delimiter(',');
+  sub->add_flag("--json", c.json, "print as JSON");
+}
+
 void add_accuracy(Program& p) {
   auto* sub = subcommand(p, "accuracy",
                          "Segment phantoms without a landmark and compare with what they are (exit 3 "
@@ -211,10 +271,12 @@ void add_accuracy(Program& p) {
                          "heartgen accuracy --variants 0-14 --noise 10,22,40 --size 512,512,199 --spacing 0.5,0.5,1.2",
                          [&p] { return accuracy_command(p.accuracy, p.comm); });
   sub->add_option("--variants", p.accuracy.variants, "numbers and ranges (default 0-14)");
+  sub->add_option("--of", p.accuracy.of, "chambers (default), or one step alone: walls, carotid, trachea");
   sub->add_option("--noise", p.accuracy.noise_hu, "standard deviations of the noise, HU (default 22)")->delimiter(',');
   sub->add_option("--size", p.size, "voxels NX,NY,NZ (default 256,256,160)")->delimiter(',')->expected(3);
   sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
-  sub->add_option("--keep", p.accuracy.keep, "folder for each phantom's CT, truth and label map");
+  sub->add_option("--keep", p.accuracy.keep, "folder for each phantom's CT, truth, label map and row");
+  sub->add_flag("--resume", p.accuracy.resume, "take the rows that an earlier run left in --keep");
   sub->add_flag("--json", p.accuracy.json, "print every number as JSON");
 }
 
@@ -318,6 +380,9 @@ int main(int argc, char** argv) {
   add_segment(p);
   add_tools(p);
   add_contours(p);
+  add_slice(p);
+  add_improve(p);
+  add_place(p);
   add_accuracy(p);
   add_fiber_accuracy(p);
   add_bench(p);

@@ -1,0 +1,124 @@
+#include "generator/distmesh/connect.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "generator/adapters/cgal_delaunay.hpp"
+
+namespace heart::distmesh {
+
+Simplices delaunay(const Nodes& nodes, Dimension dimension) {
+  Simplices result;
+  if (dimension == Dimension::three) {
+    result.cells = adapters::delaunay_cells(nodes.at_mm);
+    result.corners = 4;
+    return result;
+  }
+  for (const auto& t : adapters::delaunay_triangles(nodes.at_mm)) result.cells.push_back({t[0], t[1], t[2], -1});
+  return result;
+}
+
+std::vector<Edge> edges_of(const Simplices& simplices, std::size_t node_count) {
+  // Sorted by the smaller node by counting, then node by node.
+  std::vector<std::size_t> first(node_count + 1, 0);
+  const auto for_each = [&](const auto& visit) {
+    for (const auto& cell : simplices.cells)
+      for (std::size_t i = 0; i < simplices.corners; ++i)
+        for (std::size_t j = i + 1; j < simplices.corners; ++j)
+          visit(std::min(cell[i], cell[j]), std::max(cell[i], cell[j]));
+  };
+  for_each([&](std::int32_t a, std::int32_t) { ++first[static_cast<std::size_t>(a) + 1]; });
+  for (std::size_t n = 0; n < node_count; ++n) first[n + 1] += first[n];
+  std::vector<std::int32_t> other(first[node_count]);
+  auto next = first;
+  for_each([&](std::int32_t a, std::int32_t b) { other[next[static_cast<std::size_t>(a)]++] = b; });
+  std::vector<Edge> edges;
+  for (std::size_t n = 0; n < node_count; ++n) {
+    const auto begin = other.begin() + static_cast<std::ptrdiff_t>(first[n]);
+    const auto end = other.begin() + static_cast<std::ptrdiff_t>(first[n + 1]);
+    std::sort(begin, end);
+    for (auto it = begin; it != end; ++it)
+      if (it == begin || *it != *(it - 1)) edges.push_back({static_cast<std::int32_t>(n), *it});
+  }
+  return edges;
+}
+
+Vec3 center_of(const Nodes& nodes, const Cell& cell, std::size_t corners) {
+  Vec3 sum;
+  for (std::size_t i = 0; i < corners; ++i) sum += nodes.at_mm[static_cast<std::size_t>(cell[i])];
+  return sum / static_cast<double>(corners);
+}
+
+int label_of(const Nodes& nodes, const Cell& cell, std::size_t corners, const Materials& materials) {
+  LabelBits common = ~lattice::side_bits;
+  std::size_t on_hull = 0;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const LabelBits bits = nodes.touches[static_cast<std::size_t>(cell[i])];
+    common &= bits;
+    on_hull += (bits & (bit_of(0) | lattice::side_bits)) != 0 ? 1 : 0;
+  }
+  if (std::popcount(common) == 1 && on_hull + 1 < corners) return std::countr_zero(common);
+  const auto bits = bits_at(materials, center_of(nodes, cell, corners));
+  if (is_outside(bits)) return 0;
+  return std::countr_zero(std::popcount(common) == 1 ? common : bits);
+}
+
+namespace {
+
+/// Beyond each face of each simplex: the simplex there, or -1.
+std::vector<Cell> neighbours_of(const Simplices& simplices) {
+  struct Side {
+    Face nodes;
+    std::int32_t simplex, corner;
+  };
+  std::vector<Side> sides;
+  for (std::size_t s = 0; s < simplices.cells.size(); ++s)
+    for (std::size_t left_out = 0; left_out < simplices.corners; ++left_out) {
+      Side side{{-1, -1, -1}, static_cast<std::int32_t>(s), static_cast<std::int32_t>(left_out)};
+      for (std::size_t i = 0, k = 0; i < simplices.corners; ++i)
+        if (i != left_out) side.nodes[k++] = simplices.cells[s][i];
+      std::sort(side.nodes.begin(), side.nodes.end());
+      sides.push_back(side);
+    }
+  std::sort(sides.begin(), sides.end(),
+            [](const Side& a, const Side& b) { return std::tie(a.nodes, a.simplex) < std::tie(b.nodes, b.simplex); });
+  std::vector<Cell> neighbours(simplices.cells.size(), Cell{-1, -1, -1, -1});
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    const auto &a = sides[i], &b = sides[i + 1];
+    if (a.nodes != b.nodes) continue;
+    neighbours[static_cast<std::size_t>(a.simplex)][static_cast<std::size_t>(a.corner)] = b.simplex;
+    neighbours[static_cast<std::size_t>(b.simplex)][static_cast<std::size_t>(b.corner)] = a.simplex;
+  }
+  return neighbours;
+}
+
+}  // namespace
+
+void absorb_crumbs(const Simplices& simplices, std::vector<std::uint8_t>& label) {
+  constexpr std::size_t most = 2;
+  const auto neighbours = neighbours_of(simplices);
+  for (std::size_t s = 0; s < label.size(); ++s) {
+    std::vector<std::size_t> piece{s};
+    std::array<int, 256> shared{};
+    bool is_open = false;  // towards the hull
+    for (std::size_t i = 0; i < piece.size() && piece.size() <= most; ++i)
+      for (std::size_t c = 0; c < simplices.corners; ++c) {
+        const auto other = neighbours[piece[i]][c];
+        if (other < 0) {
+          is_open = is_open || label[s] == 0;
+          continue;
+        }
+        const auto o = static_cast<std::size_t>(other);
+        if (label[o] != label[s])
+          ++shared[label[o]];
+        else if (std::find(piece.begin(), piece.end(), o) == piece.end())
+          piece.push_back(o);
+      }
+    if (piece.size() > most || is_open) continue;
+    const auto best = std::max_element(shared.begin(), shared.end());
+    if (*best == 0) continue;
+    for (const auto p : piece) label[p] = static_cast<std::uint8_t>(best - shared.begin());
+  }
+}
+
+}  // namespace heart::distmesh

@@ -1,0 +1,14 @@
+// The points of a plane where three materials meet, or two at a side of the box: known before any node moves.
+#pragma once
+#include "generator/distmesh/nodes.hpp"
+
+namespace heart::distmesh {
+
+/// The corners of the box that lie in a label.
+Nodes box_corners(const Materials& materials, Dimension dimension);
+
+/// Adds the points where interfaces meet, found on a grid of samples `step_mm` apart; of points nearer than half an
+/// edge to another one, the first is taken. Two dimensions only.
+void add_meeting_points(Nodes& nodes, const Materials& materials, double step_mm);
+
+}  // namespace heart::distmesh

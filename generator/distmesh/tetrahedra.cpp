@@ -1,0 +1,20 @@
+#include "generator/distmesh/tetrahedra.hpp"
+
+#include "generator/lattice/octree.hpp"
+
+namespace heart::distmesh {
+
+lattice::Complex complex_of(const Truss& truss, const Materials& materials) {
+  lattice::Complex complex;
+  complex.nodes_mm = truss.nodes.at_mm;
+  for (std::size_t n = 0; n < truss.nodes.size(); ++n) {
+    complex.touches.push_back(truss.nodes.touches[n] & lattice::side_bits);
+    complex.spacing_mm.push_back(
+        static_cast<float>(materials.edge_mm(truss.nodes.at_mm[n]) / lattice::mean_edge_per_cell));
+  }
+  complex.cells = truss.simplices.cells;
+  complex.label = truss.label;
+  return complex;
+}
+
+}  // namespace heart::distmesh

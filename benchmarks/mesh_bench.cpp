@@ -252,7 +252,9 @@ void add_random_walls(Table& table) {
 
 void add_scaling(Table& table) {
   double time_before = 0, bytes_before = 0, cells_before = 0;
-  for (double edge = 2.27; edge > 0.35; edge /= std::cbrt(2.0)) {  // 100 k to 20 M cells
+  constexpr int doublings = 8;  // 100 k to 20 M cells
+  for (int doubling = 0; doubling < doublings; ++doubling) {
+    const double edge = 2.27 * std::exp2(-doubling / 3.0);
     Meshed meshed;
     start_peak();
     const double time = seconds([&] { meshed = mesh_of(ventricles(edge), 0, 180, {}); });

@@ -113,16 +113,16 @@ struct SegmentationStep {
 
 /// Which sides of the tree mean what, and how blood is split into chambers (thesis 6.2).
 struct ChamberSettings {
-  std::string blood = "blood.above";   // side of the tree that holds the contrast-filled blood
-  std::string tissue = "body.above";   // side of the tree that is not air
-  std::string soft = "soft.above";     // side of the tree that holds muscle (and blood)
-  double heart_radius_mm = 85;         // nothing farther from the chambers' centre belongs to the heart
-  double vessel_length_mm = 45;        // aorta and pulmonary artery are followed this far from their valves; 0: all
-  double close_trabeculae_mm = 0;      // closing of the blood pools; 0 keeps papillary muscles and trabeculae
-  double minimum_component_ml = 0.02;  // smaller islands are dropped
-  double vein_stump_mm = 15;           // veins and appendages stay with their atrium this far from its wide part
-  double cava_stump_mm = 4;          // the inferior vena cava stays with the right atrium this far below its wide part
-  double papillary_closing_mm = 12;  // muscle in gaps of the LV's blood up to twice this wide (RV: once) is papillary
+  std::string blood = "blood.above";  // side of the tree that holds the contrast-filled blood
+  std::string tissue = "body.above";  // side of the tree that is not air
+  std::string soft = "soft.above";    // side of the tree that holds muscle (and blood)
+  double heart_radius_mm = 85;        // nothing farther from the chambers' centre belongs to the heart
+  double vessel_length_mm = 45;       // aorta and pulmonary artery are followed this far from their valves; 0: all
+  double close_trabeculae_mm = 0;     // closing of the blood pools; 0 keeps papillary muscles and trabeculae
+  double minimum_component_ml = 0.1;  // smaller pieces of papillary muscle are wall
+  double vein_stump_mm = 15;          // veins and appendages stay with their atrium this far from its wide part
+  double cava_stump_mm = 4;           // the inferior vena cava stays with the right atrium this far below its wide part
+  double papillary_closing_mm = 12;   // muscle in gaps of the LV's blood up to twice this wide (RV: once) is papillary
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -133,7 +133,7 @@ struct ChamberSettings {
     v("vessel_length_mm", s.vessel_length_mm,
       "great vessels are followed this far from their valves; 0: as far as they reach");
     v("close_trabeculae_mm", s.close_trabeculae_mm, "closing of the blood pools; 0 keeps trabeculae");
-    v("minimum_component_ml", s.minimum_component_ml, "smaller islands are dropped");
+    v("minimum_component_ml", s.minimum_component_ml, "smaller pieces of papillary muscle are left to the wall");
     v("vein_stump_mm", s.vein_stump_mm, "veins and appendages stay with their atrium this far from its wide part");
     v("cava_stump_mm", s.cava_stump_mm,
       "the inferior vena cava stays with the right atrium this far below its wide part");

@@ -142,11 +142,50 @@ std::vector<std::uint8_t> labels_at_voxels(const Grid& grid, const LabelAt& labe
   return label;
 }
 
+/// 1 for the voxels of pieces of a label, joined through faces, smaller than `crumb_ml[label]`.
+std::vector<std::uint8_t> crumbs_of(const Grid& grid, const std::vector<std::uint8_t>& label,
+                                    const std::array<double, 256>& crumb_ml) {
+  const auto& size = grid.size;
+  std::vector<std::uint8_t> seen(label.size(), 0), crumb(label.size(), 0);
+  std::vector<std::size_t> piece;
+  for (std::size_t first = 0; first < label.size(); ++first) {
+    if (seen[first]) continue;
+    seen[first] = 1;
+    piece.assign(1, first);
+    for (std::size_t p = 0; p < piece.size(); ++p) {
+      const auto v = static_cast<std::int64_t>(piece[p]);
+      const Index3 at{v % size[0], v / size[0] % size[1], v / (size[0] * size[1])};
+      std::int64_t stride = 1;
+      for (std::size_t a = 0; a < 3; stride *= size[a], ++a)
+        for (const std::int64_t way : {-1, 1}) {
+          if (at[a] + way < 0 || at[a] + way >= size[a]) continue;
+          const auto next = static_cast<std::size_t>(v + way * stride);
+          if (seen[next] || label[next] != label[first]) continue;
+          seen[next] = 1;
+          piece.push_back(next);
+        }
+    }
+    if (static_cast<double>(piece.size()) * grid.voxel_volume_mm3() / mm3_per_ml < crumb_ml[label[first]])
+      for (const auto v : piece) crumb[v] = 1;
+  }
+  return crumb;
+}
+
+/// Neither side of a sample is a crumb: like pieces, the mesher may drop these.
 std::vector<Sample> distances_from_labels(const Grid& grid, const std::vector<BoundaryFace>& faces,
                                           const FaceTree& tree, const std::set<std::int32_t>& regions,
-                                          const LabelAt& label_at) {
+                                          const LabelAt& label_at, const std::array<double, 256>& crumb_ml) {
   const auto label = labels_at_voxels(grid, label_at);
-  const auto pairs = changing_pairs(grid, label);
+  const auto crumb = crumbs_of(grid, label, crumb_ml);
+  const auto is_crumb = [&](const Index3& at) {
+    return crumb[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))] != 0;
+  };
+  auto pairs = changing_pairs(grid, label);
+  std::erase_if(pairs, [&](const VoxelPair& pair) {
+    Index3 beyond = pair.at;
+    ++beyond[static_cast<std::size_t>(pair.axis)];
+    return is_crumb(pair.at) || is_crumb(beyond);
+  });
   const auto places = evenly(pairs.size());
   std::vector<Sample> samples(places.size(), {{0, 0}, 0, 1});
   parallel::parallel_for(0, static_cast<std::int64_t>(places.size()), [&](std::int64_t begin, std::int64_t end) {
@@ -214,6 +253,9 @@ void add_topology(const Rows& rows, const RegionTopology& mesh, const RegionTopo
   for (const double v : labels.components_ml) label_volume += v;
   rows.add("volume_of_labels", label_volume, "ml");
   if (label_volume > 0) rows.add("volume_difference", 100 * (volume / label_volume - 1), "%");
+  double crumbs = 0;
+  for (const double v : labels.components_ml) crumbs += v < crumb_ml ? v : 0;
+  rows.add("crumbs_of_labels", crumbs, "ml");
   const auto count = [&](const char* metric, std::int64_t value) {
     rows.add(metric, static_cast<double>(value), "count");
   };
@@ -235,15 +277,21 @@ void add_topology(const Rows& rows, const RegionTopology& mesh, const RegionTopo
   count("cavities_of_labels", labels.cavities);
 }
 
-/// Of the region's cells, or of all where it has none.
-double mean_cell_ml(const TetMesh& mesh, std::int32_t region) {
-  double volume = 0, all = 0, count = 0;
+/// Volume below which pieces are crumbs, per label: of its cells, or of all cells where it has none (0 too).
+std::array<double, 256> crumb_sizes(const TetMesh& mesh) {
+  std::array<double, 256> volume{}, count{};
+  double all = 0;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     const double v = cell_volume_mm3(mesh, mesh.cells[c]) / mm3_per_ml;
     all += v;
-    if (mesh.region[c] == region) volume += v, ++count;
+    volume[static_cast<std::size_t>(mesh.region[c])] += v;
+    ++count[static_cast<std::size_t>(mesh.region[c])];
   }
-  return count > 0 ? volume / count : all / std::max(static_cast<double>(mesh.cells.size()), 1.0);
+  const double mean = all / std::max(static_cast<double>(mesh.cells.size()), 1.0);
+  std::array<double, 256> crumb_ml{};
+  for (std::size_t label = 0; label < crumb_ml.size(); ++label)
+    crumb_ml[label] = crumb_cells * (count[label] > 0 ? volume[label] / count[label] : mean);
+  return crumb_ml;
 }
 
 std::set<std::int32_t> with_those_of(const LabelVolume& labels, std::set<std::int32_t> regions) {
@@ -265,8 +313,9 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
   std::vector<Face> triangles;
   for (const auto& face : boundary) triangles.push_back(face.nodes);
   const auto tree = make_face_tree(mesh.nodes_mm, triangles);
+  const auto crumb_ml = crumb_sizes(mesh);
   const auto to_labels = distances_to_labels(mesh, boundary, label_at);
-  const auto from_labels = distances_from_labels(labels.grid, boundary, tree, regions, label_at);
+  const auto from_labels = distances_from_labels(labels.grid, boundary, tree, regions, label_at, crumb_ml);
 
   const Rows all{&report, mesh_name};
   add_distances(all, "to_labels", to_labels, 0, {});
@@ -276,7 +325,7 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
     const auto most_edges = judges ? std::optional(settings.maximum_surface_distance) : std::nullopt;
     const Rows rows{&report, mesh_name + "/" + region_name(region)};
     add_topology(rows, region_topology(mesh, faces, region), region_topology(labels, static_cast<std::uint8_t>(region)),
-                 crumb_cells * mean_cell_ml(mesh, region), judges ? &settings : nullptr);
+                 crumb_ml[static_cast<std::size_t>(region)], judges ? &settings : nullptr);
     add_distances(rows, "to_labels", to_labels, region, {});
     add_distances(rows, "from_labels", from_labels, region, most_edges);
   }

@@ -21,7 +21,8 @@ using LabelAt = std::function<int(const Vec3& lps_mm)>;
 /// Distances are in mm and in local edges (mean edge of the nearest face). `to_labels`: from faces and their nodes to
 /// where the region changes, along the face's normal; what is farther than three edges counts as three. `from_labels`:
 /// from where it changes between neighbouring voxels to the nearest face of that region's boundary. At most 200,000
-/// samples each, evenly taken.
+/// samples each, evenly taken. Crumbs of the label map, pieces that small, take no part in `from_labels`; their volume
+/// is a row of its own.
 Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
                             const LabelAt& label_at, const ValidationSettings& settings);
 

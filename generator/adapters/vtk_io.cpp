@@ -69,12 +69,13 @@ void add_fibers(vtkFieldData* data, const FiberField& fibers) {
 template <std::size_t N>
 vtkSmartPointer<vtkCellArray> cell_array(const std::vector<std::array<std::int32_t, N>>& cells) {
   vtkNew<vtkTypeInt32Array> offsets, ids;
-  offsets->SetNumberOfValues(static_cast<vtkIdType>(cells.size() + 1));
+  offsets->SetNumberOfValues(static_cast<vtkIdType>(cells.size()) + 1);
   for (std::size_t c = 0; c <= cells.size(); ++c)
     offsets->SetValue(static_cast<vtkIdType>(c), static_cast<std::int32_t>(N * c));
-  ids->SetNumberOfValues(static_cast<vtkIdType>(N * cells.size()));
+  const auto corners = static_cast<vtkIdType>(N);
+  ids->SetNumberOfValues(corners * static_cast<vtkIdType>(cells.size()));
   for (std::size_t c = 0; c < cells.size(); ++c)
-    std::copy(cells[c].begin(), cells[c].end(), ids->GetPointer(static_cast<vtkIdType>(N * c)));
+    std::copy(cells[c].begin(), cells[c].end(), ids->GetPointer(corners * static_cast<vtkIdType>(c)));
   auto result = vtkSmartPointer<vtkCellArray>::New();
   result->SetData(offsets, ids);
   return result;

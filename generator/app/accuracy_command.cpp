@@ -279,7 +279,7 @@ Case measured_or_kept(const AccuracyCommand& command, const datasets::PhantomSet
   });
   parallel::broadcast(comm, known);
   if (known) return kept.value_or(Case{});
-  const Case c = measure(settings, command.keep, comm);
+  Case c = measure(settings, command.keep, comm);
   if (comm.is_root() && !file.empty()) write_case(file, c, settings);
   return c;
 }

@@ -48,6 +48,7 @@ void find_region(UserMesh& mesh, const ImproveCommand& command) {
   const auto& arrays = mesh.data.cell_scalars;
   if (!command.region.empty() && !arrays.contains(command.region)) {
     std::vector<std::string> names;
+    names.reserve(arrays.size());
     for (const auto& [name, values] : arrays) names.push_back(name);
     throw UserError(fmt::format("has no cell array \"{}\"", command.region), command.input,
                     names.empty() ? "it has no array of one number per cell"

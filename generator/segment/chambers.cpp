@@ -146,6 +146,7 @@ void add_papillary(LabelVolume& labels, const CtVolume& ct, const BloodPool& poo
     Mask muscle = drop_small_components(open(gap, seam_mm), minimum);
     if (count(muscle) == 0) continue;
     muscle = intersect(dilate(muscle, regrown_mm), gap);  // the muscles' ends, thinner than a seam
+    muscle = drop_small_components(muscle, minimum);      // not what only lies near them
     for (std::size_t v = 0; v < muscle.voxels.size(); ++v)
       if (muscle.voxels[v]) labels.voxels[v] = tag(Region::papillary);
   }

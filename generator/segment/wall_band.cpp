@@ -41,13 +41,14 @@ std::vector<double> area_factors(const BandInput& band, const Mask& state) {
   return area;
 }
 
-/// Whether one of the 26 voxels around is set.
+/// Whether one of the voxels that share a face or an edge is set. Those at corners would make thin walls too thick, and
+/// the mesher parts what meets in a point only.
 bool touches(const Mask& mask, const Index3& at) {
   const auto& size = mask.grid.size;
   for (std::int64_t k = std::max<std::int64_t>(at[2] - 1, 0); k <= std::min(at[2] + 1, size[2] - 1); ++k)
     for (std::int64_t j = std::max<std::int64_t>(at[1] - 1, 0); j <= std::min(at[1] + 1, size[1] - 1); ++j)
       for (std::int64_t i = std::max<std::int64_t>(at[0] - 1, 0); i <= std::min(at[0] + 1, size[0] - 1); ++i)
-        if (mask(i, j, k)) return true;
+        if (mask(i, j, k) && std::abs(i - at[0]) + std::abs(j - at[1]) + std::abs(k - at[2]) < 3) return true;
   return false;
 }
 

@@ -141,7 +141,7 @@ TEST(Epicardium, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one.ventricle_duality_gap, three.ventricle_duality_gap);
 }
 
-/// Voxels outside the heart that share a corner with a chamber's blood.
+/// Voxels outside the heart that share a face or an edge with a chamber's blood.
 std::int64_t pinholes(const LabelVolume& chambers, const LabelVolume& walls) {
   std::int64_t bare = 0;
   const auto& size = chambers.grid.size;
@@ -151,6 +151,7 @@ std::int64_t pinholes(const LabelVolume& chambers, const LabelVolume& walls) {
         const auto region = static_cast<Region>(chambers(i, j, k));
         if (!is_blood(region) || region == Region::aorta) continue;
         for (std::int64_t n = 0; n < 27; ++n) {
+          if (n % 2 == 0 && n % 3 != 1 && n / 3 % 3 != 1 && n / 9 != 1) continue;  // corners
           const std::int64_t x = i + n % 3 - 1, y = j + n / 3 % 3 - 1, z = k + n / 9 - 1;
           bare += chambers(x, y, z) == 0 && walls(x, y, z) == 0;
         }

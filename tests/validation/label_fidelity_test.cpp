@@ -245,6 +245,16 @@ TEST_F(Cubes, AHandleAndAPieceTooManyFail) {
   EXPECT_FALSE(row(in_two, "mesh/lv_myocardium", "pieces_added").passed());
 }
 
+TEST_F(Cubes, CrumbsOfTheLabelMapAreCountedNotMeasured) {
+  const auto mesh = mesh_of(labels);
+  fill(labels, {1, 1, 1}, {3, 3, 3}, 6);  // eight voxels; crumbs have fewer than 100 / 6
+  const auto report = check(mesh);
+  EXPECT_NEAR(row(report, "mesh/lv_blood", "crumbs_of_labels").value, 0.008, 1e-9);
+  EXPECT_LT(row(report, "mesh/lv_blood", "from_labels_max").value, 1e-2);
+  fill(labels, {1, 1, 1}, {3, 3, 7}, 6);  // 24 voxels, beside the cavity: no crumb
+  EXPECT_GT(row(check(mesh), "mesh/lv_blood", "from_labels_max").value, 1);
+}
+
 TEST_F(Cubes, ALostRegionFails) {
   auto without = labels;
   std::replace(without.voxels.begin(), without.voxels.end(), std::uint8_t{6}, std::uint8_t{1});

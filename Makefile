@@ -29,7 +29,6 @@ $(HEARTGEN): program ;
 
 demo/phantom/recipe.toml: $(HEARTGEN)
 	$(HEARTGEN) phantom demo/phantom --size $(DEMO_SIZE) --spacing $(DEMO_SPACING)
-	printf '\n[mesh]\nbackend = "lattice"  # the mesher with the best angles; see mesh.backend\n' >> $@
 
 demo/bundle/manifest.json: demo/phantom/recipe.toml $(HEARTGEN)
 	$(HEARTGEN) build demo/phantom/recipe.toml --output demo/bundle --force

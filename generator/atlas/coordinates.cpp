@@ -169,6 +169,7 @@ std::vector<Index3> voxels_of(const Volume<std::uint8_t>& parts, Part wall) {
 double median_thickness_mm(const std::vector<Between>& wall) {
   if (wall.empty()) return 0;
   std::vector<double> sums;
+  sums.reserve(wall.size());
   for (const Between& b : wall) sums.push_back(b.inner_mm + b.outer_mm);
   const auto half = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
   std::nth_element(sums.begin(), half, sums.end());

@@ -113,7 +113,8 @@ struct Improver {
     const Vec3 start = mesh.at(n);
     Vec3 kept = start;
     auto& now = mesh.nodes_mm[static_cast<std::size_t>(n)];
-    for (double reach = 0.2 * edge_at(n); reach > 0.008 * edge_at(n); reach *= 0.5) {
+    double reach = 0.2 * edge_at(n);
+    for (int halving = 0; halving < 5; ++halving, reach *= 0.5) {
       Vec3 center = kept;
       for (int i = 0; i < directions; ++i) {
         const double angle = 2 * std::numbers::pi * i / directions;

@@ -55,7 +55,7 @@ struct Cut {
 
   /// Sum over the pixels of row b from column first to last.
   double over(int b, int first, int last) const {
-    const auto row = static_cast<std::size_t>((b + half) * (side + 1));
+    const auto row = static_cast<std::size_t>(b + half) * static_cast<std::size_t>(side + 1);
     return row_sum[row + static_cast<std::size_t>(last + half + 1)] -
            row_sum[row + static_cast<std::size_t>(first + half)];
   }
@@ -64,7 +64,7 @@ struct Cut {
 Cut cut_at(const FaintTissue& tissue, const Vec3& point, const Vec3& normal) {
   const PlaneFrame frame = frame_across(normal);
   Cut cut;
-  cut.row_sum.reserve(static_cast<std::size_t>(Cut::side * (Cut::side + 1)));
+  cut.row_sum.reserve(static_cast<std::size_t>(Cut::side) * static_cast<std::size_t>(Cut::side + 1));
   for (int b = -Cut::half; b <= Cut::half; ++b) {
     double sum = 0;
     cut.row_sum.push_back(0);
@@ -100,7 +100,9 @@ Disc best_disc(const Cut& cut, double radius_step_mm, int step, double nats_per_
   constexpr int reach = 8;  // 12 mm from the middle; with the greatest radius still inside the cut
   static_assert(reach * Cut::pixel_mm + most_mm < Cut::half * Cut::pixel_mm);
   Disc best;
-  for (double radius_mm = least_mm; radius_mm <= most_mm; radius_mm += radius_step_mm) {
+  const int radii = 1 + static_cast<int>((most_mm - least_mm) / radius_step_mm);
+  for (int r = 0; r < radii; ++r) {
+    const double radius_mm = least_mm + r * radius_step_mm;
     const double unusual = (radius_mm - usual_radius_mm) / radius_slack_mm;
     for (int b = -reach; b <= reach; b += step)
       for (int a = -reach; a <= reach; a += step) {

@@ -97,7 +97,8 @@ std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& sta
   std::vector<Station> stations;
   Vec3 normal = start.normal, at = start.centre_mm + start_beyond_mm * normal;
   double narrowest = 1e9;
-  for (double way = 0; way <= walk_mm + start_beyond_mm; way += step_mm) {
+  const int steps = 1 + static_cast<int>((walk_mm + start_beyond_mm) / step_mm);
+  for (int step = 0; step < steps; ++step) {
     const auto section = section_at(scenery.blood, at, normal, search_mm);
     if (!section || section->diameter_mm() > most_widening * narrowest) break;
     const bool first = stations.empty();  // may lie in the bifurcation, beside the artery's centre line

@@ -18,7 +18,9 @@ constexpr double degree = std::numbers::pi / 180;
 
 using Pixels = std::vector<std::uint8_t>;  // side_pixels squared: 0 outside, 1 blood, 2 blood that was visited
 
-std::size_t pixel_index(int a, int b) { return static_cast<std::size_t>(b * side_pixels + a); }
+std::size_t pixel_index(int a, int b) {
+  return static_cast<std::size_t>(b) * side_pixels + static_cast<std::size_t>(a);
+}
 
 Vec3 pixel_position(const Vec3& point, const PlaneFrame& frame, int a, int b) {
   return point + ((a - half_pixels) * pixel_mm) * frame.u + ((b - half_pixels) * pixel_mm) * frame.v;

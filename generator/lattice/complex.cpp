@@ -20,7 +20,7 @@ void append_to_star(Complex& complex, std::int32_t node, std::int32_t cell) {
     std::copy_n(c.pool.begin() + c.first[n], c.count[n], c.pool.begin() + next);
     c.first[n] = next;
   }
-  c.pool[static_cast<std::size_t>(c.first[n] + c.count[n]++)] = cell;
+  c.pool[static_cast<std::size_t>(c.first[n]) + c.count[n]++] = cell;
 }
 
 void erase_from_star(Complex& complex, std::int32_t node, std::int32_t cell) {
@@ -55,7 +55,7 @@ void connect(Complex& complex) {
   for (std::size_t i = 0; i < c.cells.size(); ++i)
     for (const auto n : c.cells[i]) {
       const auto at = static_cast<std::size_t>(n);
-      c.pool[static_cast<std::size_t>(c.first[at] + c.count[at]++)] = static_cast<std::int32_t>(i);
+      c.pool[static_cast<std::size_t>(c.first[at]) + c.count[at]++] = static_cast<std::int32_t>(i);
     }
   c.free_cells.clear();
   c.quality.resize(c.cells.size());

@@ -55,6 +55,7 @@ std::vector<float> gaussian(double sigma_voxels) {
     sum += weights.back();
   }
   std::vector<float> normalized_weights;
+  normalized_weights.reserve(weights.size());
   for (const double w : weights) normalized_weights.push_back(static_cast<float>(w / sum));
   return normalized_weights;
 }

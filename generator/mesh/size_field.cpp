@@ -150,9 +150,11 @@ void resolve_thin_parts(Volume<float>& sizes, const MeshDomain& domain, const Me
   const double half_sample = 0.5 * std::min({spacing.x, spacing.y, spacing.z});
   const double coarsest = std::max(settings.torso_edge_mm, settings.heart_edge_mm);
   const double finest = finest_body_edge_mm(settings);
-  for (double edge = coarsest; edge > finest; edge /= 2) {
+  double edge = coarsest;
+  while (edge > finest) {
     const double radius = std::max(0.4 * edge - half_sample, half_sample);
     lower_in_thin_parts(sizes, labels, from_interface, radius, std::max(0.5 * edge, finest));
+    edge /= 2;
   }
 }
 

@@ -45,7 +45,10 @@ Mask grow(const Volume<float>& image, const Mask& free, const Index3& seed, doub
   for (std::size_t v = 0; v < alike.voxels.size(); ++v)
     alike.voxels[v] = free.voxels[v] && std::abs(static_cast<double>(image.voxels[v]) - grey) < tolerance_hu;
   const auto limit = static_cast<std::int64_t>(maximum_ml * 1000 / free.grid.voxel_volume_mm3());
-  for (double radius = smallest_opening_mm; radius <= largest_opening_mm; radius += 3) {
+  constexpr double step_mm = 3;
+  constexpr int steps = 1 + static_cast<int>((largest_opening_mm - smallest_opening_mm) / step_mm);
+  for (int step = 0; step < steps; ++step) {
+    const double radius = smallest_opening_mm + step * step_mm;
     const Mask core = component_of(erode(alike, radius), seed, limit);
     if (count(core) == 0) continue;
     const Mask liver = intersect(dilate(core, radius), alike);

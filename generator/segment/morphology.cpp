@@ -84,7 +84,7 @@ Span distance_in_row(const std::uint8_t* set, std::uint8_t* distance, std::int64
 /// Row by row of the ball: a voxel is reached by a row when the nearest set voxel along it is not farther than the
 /// ball is wide there. Quicker than a distance transform while the ball has few rows.
 Mask dilate_by_rows(const Mask& mask, double radius_mm) {
-  const auto [nx, ny, nz] = mask.grid.size;
+  const std::int64_t nx = mask.grid.size[0], ny = mask.grid.size[1], nz = mask.grid.size[2];
   Mask distance(mask.grid), result(mask.grid);
   std::vector<Span> spans(static_cast<std::size_t>(ny * nz));
   parallel::parallel_for(0, ny * nz, [&](std::int64_t begin, std::int64_t end) {

@@ -151,7 +151,7 @@ std::int64_t pinholes(const LabelVolume& chambers, const LabelVolume& walls) {
         const auto region = static_cast<Region>(chambers(i, j, k));
         if (!is_blood(region) || region == Region::aorta) continue;
         for (std::int64_t n = 0; n < 27; ++n) {
-          if (n % 2 == 0 && n % 3 != 1 && n / 3 % 3 != 1 && n / 9 != 1) continue;  // corners
+          if (n % 3 != 1 && n / 3 % 3 != 1 && n / 9 != 1) continue;  // corners
           const std::int64_t x = i + n % 3 - 1, y = j + n / 3 % 3 - 1, z = k + n / 9 - 1;
           bare += chambers(x, y, z) == 0 && walls(x, y, z) == 0;
         }

@@ -68,6 +68,7 @@ const char* expected(int) { return "a whole number"; }
 const char* expected(double) { return "a number"; }
 const char* expected(const std::vector<std::string>&) { return "a list of texts"; }
 const char* expected(const std::vector<int>&) { return "a list of whole numbers"; }
+const char* expected(const std::vector<double>&) { return "a list of numbers"; }
 const char* expected(const LabelKeys&) { return "a list of values or names"; }
 const char* expected(const Vec3&) { return "three numbers [x, y, z] in LPS mm"; }
 

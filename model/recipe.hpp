@@ -173,11 +173,12 @@ struct EpicardiumSettings {
 };
 
 struct MeshSettings {
-  std::string backend = "lattice";  // of the heart and the torso: "lattice" or "cgal"
+  std::string backend = "lattice";  // of the heart and the torso: "lattice", "cgal" or "tetgen"
   std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
-  double heart_edge_mm = 1.8;  // edge length in the walls of the heart
-  double blood_edge_mm = 4;    // in the chambers, away from the walls
-  double torso_edge_mm = 12;   // in the torso, away from the heart
+  double heart_edge_mm = 1.8;          // edge length in the walls of the heart
+  std::vector<double> resolutions_mm;  // further edge lengths, each for one more mesh of the walls alone
+  double blood_edge_mm = 4;            // in the chambers, away from the walls
+  double torso_edge_mm = 12;           // in the torso, away from the heart
   double trachea_edge_mm = 1.6;
   double carotid_edge_mm = 0.9;
   double smoothing_mm = 0.8;  // the label map is smoothed by this much before surfaces are taken
@@ -186,8 +187,9 @@ struct MeshSettings {
   template <class V>
   static void describe(V&& v, auto& s) {
     v("meshes", s.meshes, "which meshes to make");
-    v("backend", s.backend, "mesher of the heart and the torso: \"lattice\" or \"cgal\"");
+    v("backend", s.backend, "mesher of the heart and the torso: \"lattice\", \"cgal\" or \"tetgen\"");
     v("heart_edge_mm", s.heart_edge_mm, "edge length in the walls of the heart");
+    v("resolutions_mm", s.resolutions_mm, "further edge lengths, each for one more mesh of the walls, 0.4 to 3");
     v("blood_edge_mm", s.blood_edge_mm, "edge length in the chambers, away from the walls");
     v("torso_edge_mm", s.torso_edge_mm, "edge length in the torso, away from the heart");
     v("trachea_edge_mm", s.trachea_edge_mm, "edge length in the trachea");

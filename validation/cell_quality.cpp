@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "generator/parallel/threads.hpp"
+
 namespace heart::validation {
 namespace {
 
@@ -58,13 +60,14 @@ CellQuality cell_quality(const std::array<Vec3, 4>& p) {
 }
 
 std::vector<CellQuality> cell_qualities(const TetMesh& mesh) {
-  std::vector<CellQuality> result;
-  result.reserve(mesh.cells.size());
-  for (const auto& cell : mesh.cells) {
-    std::array<Vec3, 4> corners;
-    for (std::size_t i = 0; i < 4; ++i) corners[i] = mesh.nodes_mm[static_cast<std::size_t>(cell[i])];
-    result.push_back(cell_quality(corners));
-  }
+  std::vector<CellQuality> result(mesh.cells.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(result.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
+      std::array<Vec3, 4> corners;
+      for (std::size_t i = 0; i < 4; ++i) corners[i] = mesh.nodes_mm[static_cast<std::size_t>(mesh.cells[c][i])];
+      result[c] = cell_quality(corners);
+    }
+  });
   return result;
 }
 

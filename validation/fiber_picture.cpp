@@ -54,8 +54,9 @@ Scene make_scene(const TetMesh& mesh, const FiberPictureOptions& options) {
 }
 
 /// The walls in pale colours, as ground for the lines.
-void draw_walls(Layer& layer, const Scene& scene, const TetMesh& mesh, const std::vector<double>& helix_deg) {
-  const BoundaryFaces boundary = boundary_faces(mesh, scene.shown);
+void draw_walls(Layer& layer, const Scene& scene, const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                const std::vector<double>& helix_deg) {
+  const BoundaryFaces boundary = boundary_faces(mesh, faces, scene.shown);
   std::vector<Vec3> normals(mesh.nodes_mm.size());
   const auto area = [&](const Face& f) {
     const Vec3& a = mesh.nodes_mm[static_cast<std::size_t>(f[0])];
@@ -137,12 +138,17 @@ void draw_helix_legend(Canvas& canvas) {
 }  // namespace
 
 PngBytes fiber_picture(const TetMesh& mesh, const FiberPictureOptions& options) {
+  const auto faces = mesh_faces(mesh);
+  return fiber_picture(mesh, faces, helix_angle_per_node(mesh, faces), options);
+}
+
+PngBytes fiber_picture(const TetMesh& mesh, const std::vector<MeshFace>& faces, const std::vector<double>& helix_deg,
+                       const FiberPictureOptions& options) {
   if (mesh.node_fibers.fiber.empty() || mesh.node_fibers.fiber.size() != mesh.nodes_mm.size())
     throw UserError("the mesh has no fibres on its nodes", "fibre picture", "build it with an atlas");
-  const auto helix_deg = helix_angle_per_node(mesh);
   const Scene scene = make_scene(mesh, options);
   Layer walls(scene.camera.width, scene.camera.height, Rgb{255, 255, 255});
-  draw_walls(walls, scene, mesh, helix_deg);
+  draw_walls(walls, scene, mesh, faces, helix_deg);
   const auto seeds = visible_seeds(walls, scene, mesh, options.spacing_mm);
   Layer lines = walls;
   std::fill(lines.depth.begin(), lines.depth.end(), -1e300);

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
+#include "generator/parallel/tasks.hpp"
 #include "model/labels.hpp"
 #include "validation/boundary_faces.hpp"
 #include "validation/heart_frame.hpp"
@@ -20,21 +22,28 @@ struct Neighbours {
 };
 
 Neighbours neighbours_within(const TetMesh& mesh, const std::vector<std::uint8_t>& chosen) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+  const auto nodes = mesh.nodes_mm.size();
+  std::vector<std::size_t> start(nodes + 1, 0);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (chosen[c])
+      for (const auto n : mesh.cells[c]) start[static_cast<std::size_t>(n) + 1] += 3;
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<std::int32_t> list(start.back());
+  auto end = start;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     if (chosen[c])
       for (const auto a : mesh.cells[c])
         for (const auto b : mesh.cells[c])
-          if (a != b) pairs.emplace_back(a, b);
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+          if (a != b) list[end[static_cast<std::size_t>(a)]++] = b;
   Neighbours result;
-  result.start.assign(mesh.nodes_mm.size() + 1, 0);
-  for (const auto& [a, b] : pairs) {
-    ++result.start[static_cast<std::size_t>(a) + 1];
-    result.list.push_back(b);
+  result.start.assign(nodes + 1, 0);
+  for (std::size_t n = 0; n < nodes; ++n) {
+    const auto first = list.begin() + static_cast<std::ptrdiff_t>(start[n]);
+    const auto last = list.begin() + static_cast<std::ptrdiff_t>(end[n]);
+    std::sort(first, last);
+    result.list.insert(result.list.end(), first, std::unique(first, last));
+    result.start[n + 1] = result.list.size();
   }
-  for (std::size_t n = 1; n < result.start.size(); ++n) result.start[n] += result.start[n - 1];
   return result;
 }
 
@@ -61,11 +70,12 @@ double wall_side(std::int32_t surface, Region ventricle) {
 }
 
 /// Unit outward wall direction at the nodes of the chosen cells: given on the wall's surfaces, averaged in between.
-std::vector<Vec3> wall_normals(const TetMesh& mesh, const std::vector<std::uint8_t>& chosen, Region ventricle) {
+std::vector<Vec3> wall_normals(const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                               const std::vector<std::uint8_t>& chosen, Region ventricle) {
   std::vector<Vec3> normals(mesh.nodes_mm.size());
   std::vector<std::uint8_t> fixed(mesh.nodes_mm.size(), 0);
   const auto labels = labelled_faces(mesh);
-  for (const auto boundary = boundary_faces(mesh, chosen); const Face& face : boundary.faces) {
+  for (const auto boundary = boundary_faces(mesh, faces, chosen); const Face& face : boundary.faces) {
     Face key = face;
     std::sort(key.begin(), key.end());
     const auto at = std::lower_bound(labels.begin(), labels.end(), std::pair{key, INT32_MIN});
@@ -104,26 +114,43 @@ double helix_deg(const Vec3& fiber, const Vec3& outward, const Vec3& axis) {
   return std::atan2(l, c) * degrees;
 }
 
+/// The nodes of a ventricle's wall, and its unit outward direction there.
+struct Wall {
+  std::vector<std::uint8_t> used;
+  std::vector<Vec3> normals;
+};
+
+Wall wall_of(const TetMesh& mesh, const std::vector<MeshFace>& faces, Region ventricle) {
+  Wall wall;
+  wall.used.assign(mesh.nodes_mm.size(), 0);
+  std::vector<std::uint8_t> chosen(mesh.cells.size(), 0);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    chosen[c] = mesh.region[c] == tag(ventricle);
+    if (chosen[c])
+      for (const auto n : mesh.cells[c]) wall.used[static_cast<std::size_t>(n)] = 1;
+  }
+  wall.normals = wall_normals(mesh, faces, chosen, ventricle);
+  return wall;
+}
+
 }  // namespace
 
-std::vector<double> helix_angle_per_node(const TetMesh& mesh) {
+std::vector<double> helix_angle_per_node(const TetMesh& mesh) { return helix_angle_per_node(mesh, mesh_faces(mesh)); }
+
+std::vector<double> helix_angle_per_node(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
   std::vector<double> angles(mesh.nodes_mm.size(), std::numeric_limits<double>::quiet_NaN());
   if (mesh.node_fibers.fiber.size() != mesh.nodes_mm.size()) return angles;
   const Vec3 axis = heart_frame(mesh).axis;
-  for (const Region ventricle : {Region::rv_myocardium, Region::lv_myocardium}) {  // shared nodes: the left one's
-    std::vector<std::uint8_t> chosen(mesh.cells.size(), 0), used(mesh.nodes_mm.size(), 0);
-    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-      chosen[c] = mesh.region[c] == tag(ventricle);
-      if (chosen[c])
-        for (const auto n : mesh.cells[c]) used[static_cast<std::size_t>(n)] = 1;
-    }
-    const auto normals = wall_normals(mesh, chosen, ventricle);
+  std::array<Wall, 2> walls;
+  parallel::run_tasks(
+      std::array<std::function<void()>, 2>{[&] { walls[0] = wall_of(mesh, faces, Region::rv_myocardium); },
+                                           [&] { walls[1] = wall_of(mesh, faces, Region::lv_myocardium); }});
+  for (const auto& [used, normals] : walls)  // shared nodes: the left one's
     for (std::size_t n = 0; n < angles.size(); ++n) {
       const Vec3& fiber = mesh.node_fibers.fiber[n];
       if (used[n] && dot(normals[n], normals[n]) > 0.5 && dot(fiber, fiber) > 0.5)
         angles[n] = helix_deg(fiber, normals[n], axis);
     }
-  }
   return angles;
 }
 

@@ -18,6 +18,7 @@ namespace {
 constexpr double mm3_per_ml = 1000;
 constexpr std::size_t most_samples = 200'000;
 constexpr double reach_edges = 3;    // farther is "not there"
+constexpr double far_edges = 0.5;    // from there on it is asked why
 constexpr double march_edges = 0.1;  // thinner layers may be stepped over
 constexpr int halvings = 10;
 constexpr double crumb_cells = 100;  // pieces of less than so many mean cells of their region are crumbs
@@ -78,7 +79,7 @@ std::vector<std::size_t> evenly(std::size_t total) {
 /// The normal first; where that leads far (at the rims of surfaces), the other directions too.
 double distance_to_boundary(const LabelAt& label_at, std::int32_t region, const Vec3& start, const Vec3& normal,
                             double edge_mm) {
-  constexpr double far_edges = 0.25;
+  constexpr double enough_edges = 0.25;
   const bool inside = label_at(start) == region;
   const double step = march_edges * edge_mm;
   double nearest = reach_edges * edge_mm;
@@ -87,7 +88,7 @@ double distance_to_boundary(const LabelAt& label_at, std::int32_t region, const 
   };
   look(normal);
   look(-normal);
-  for (int way = 0; way < 27 && nearest > far_edges * edge_mm; ++way)
+  for (int way = 0; way < 27 && nearest > enough_edges * edge_mm; ++way)
     if (way != 13) look(normalized({way % 3 - 1.0, way / 3 % 3 - 1.0, way / 9 - 1.0}));
   return nearest;
 }
@@ -171,7 +172,22 @@ std::vector<std::uint8_t> crumbs_of(const Grid& grid, const std::vector<std::uin
   return crumb;
 }
 
-/// Neither side of a sample is a crumb: like pieces, the mesher may drop these.
+/// Whether the region around a place is thinner than an edge along one of the axes.
+bool is_thin(const LabelAt& label_at, const Vec3& place, double edge_mm) {
+  const int own = label_at(place);
+  const auto depth = [&](const Vec3& way) {
+    return distance_to_change(label_at, own, true, place, way, march_edges * edge_mm, edge_mm);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 way;
+    way[axis] = 1;
+    if (depth(way) + depth(-way) < edge_mm) return true;
+  }
+  return false;
+}
+
+/// Neither side of a sample is a crumb, nor, where the mesh is far from it, thinner than an edge: the mesher may drop
+/// these.
 std::vector<Sample> distances_from_labels(const Grid& grid, const std::vector<BoundaryFace>& faces,
                                           const FaceTree& tree, const std::set<std::int32_t>& regions,
                                           const LabelAt& label_at, const std::array<double, 256>& crumb_ml) {
@@ -205,9 +221,11 @@ std::vector<Sample> distances_from_labels(const Grid& grid, const std::vector<Bo
       const auto nearest = nearest_face(
           tree, point, anywhere_mm, [&](std::int32_t f) { return faces[static_cast<std::size_t>(f)].bounds(region); });
       if (nearest.face < 0) continue;
-      samples[s] = {{region, region == own ? beyond : own},
-                    nearest.distance_mm,
-                    faces[static_cast<std::size_t>(nearest.face)].edge_mm};
+      const double edge = faces[static_cast<std::size_t>(nearest.face)].edge_mm;
+      if (nearest.distance_mm > far_edges * edge &&
+          (is_thin(label_at, start, edge) || is_thin(label_at, start + way, edge)))
+        continue;
+      samples[s] = {{region, region == own ? beyond : own}, nearest.distance_mm, edge};
     }
   });
   return samples;
@@ -304,10 +322,9 @@ std::set<std::int32_t> with_those_of(const LabelVolume& labels, std::set<std::in
 
 }  // namespace
 
-Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
-                            const LabelAt& label_at, const ValidationSettings& settings) {
+Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                            const LabelVolume& labels, const LabelAt& label_at, const ValidationSettings& settings) {
   Report report;
-  const auto faces = mesh_faces(mesh);
   const auto boundary = boundary_of_regions(mesh, faces);
   const std::set<std::int32_t> regions(mesh.region.begin(), mesh.region.end());
   std::vector<Face> triangles;
@@ -317,6 +334,8 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
   const auto to_labels = distances_to_labels(mesh, boundary, label_at);
   const auto from_labels = distances_from_labels(labels.grid, boundary, tree, regions, label_at, crumb_ml);
 
+  auto topologies = region_topologies(mesh, faces);
+
   const Rows all{&report, mesh_name};
   add_distances(all, "to_labels", to_labels, 0, {});
   add_distances(all, "from_labels", from_labels, 0, {});
@@ -324,7 +343,7 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
     const bool judges = is_myocardium(static_cast<Region>(region)) || is_blood(static_cast<Region>(region));
     const auto most_edges = judges ? std::optional(settings.maximum_surface_distance) : std::nullopt;
     const Rows rows{&report, mesh_name + "/" + region_name(region)};
-    add_topology(rows, region_topology(mesh, faces, region), region_topology(labels, static_cast<std::uint8_t>(region)),
+    add_topology(rows, topologies[region], region_topology(labels, static_cast<std::uint8_t>(region)),
                  crumb_ml[static_cast<std::size_t>(region)], judges ? &settings : nullptr);
     add_distances(rows, "to_labels", to_labels, region, {});
     add_distances(rows, "from_labels", from_labels, region, most_edges);

@@ -3,11 +3,13 @@
 #pragma once
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "model/recipe.hpp"
 #include "model/report.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
+#include "validation/mesh_topology.hpp"
 
 namespace heart::validation {
 
@@ -21,9 +23,10 @@ using LabelAt = std::function<int(const Vec3& lps_mm)>;
 /// Distances are in mm and in local edges (mean edge of the nearest face). `to_labels`: from faces and their nodes to
 /// where the region changes, along the face's normal; what is farther than three edges counts as three. `from_labels`:
 /// from where it changes between neighbouring voxels to the nearest face of that region's boundary. At most 200,000
-/// samples each, evenly taken. Crumbs of the label map, pieces that small, take no part in `from_labels`; their volume
-/// is a row of its own.
-Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
-                            const LabelAt& label_at, const ValidationSettings& settings);
+/// samples each, evenly taken. Crumbs of the label map, pieces that small, and
+/// strands and layers thinner than an edge take no part in `from_labels`; the volume of the crumbs is a row of its own.
+/// `faces` from mesh_faces.
+Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                            const LabelVolume& labels, const LabelAt& label_at, const ValidationSettings& settings);
 
 }  // namespace heart::validation

@@ -4,9 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <map>
 #include <utility>
 
+#include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
 #include "validation/cell_quality.hpp"
 #include "validation/mesh_topology.hpp"
@@ -34,8 +35,8 @@ struct Rows {
 
 struct Facts {
   const TetMesh* mesh;
+  const std::vector<MeshFace>& faces;
   std::vector<CellQuality> cells;
-  std::vector<MeshFace> faces;
   std::vector<FaceQuality> face_quality;  // per face; zero on the boundary
 };
 
@@ -58,18 +59,22 @@ std::vector<FaceQuality> face_qualities(const TetMesh& mesh, const std::vector<M
     return (node(n[0]) + node(n[1]) + node(n[2]) + node(n[3])) / 4;
   };
   std::vector<FaceQuality> result(faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const auto& face = faces[f];
-    if (face.other < 0) continue;
-    result[f] = face_quality({node(face.nodes[0]), node(face.nodes[1]), node(face.nodes[2])}, center(face.cell),
-                             center(face.other));
-  }
+  parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+      const auto& face = faces[f];
+      if (face.other < 0) continue;
+      result[f] = face_quality({node(face.nodes[0]), node(face.nodes[1]), node(face.nodes[2])}, center(face.cell),
+                               center(face.other));
+    }
+  });
   return result;
 }
 
-double percentile(std::vector<double>& values, double share) {
+/// What asked for before, at smaller shares, is in place already: `placed` values.
+double percentile(std::vector<double>& values, double share, std::ptrdiff_t& placed) {
   const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
+  if (at >= placed) std::nth_element(values.begin() + placed, values.begin() + at, values.end());
+  placed = std::max(placed, at + 1);
   return values[static_cast<std::size_t>(at)];
 }
 
@@ -120,31 +125,34 @@ void add_percentiles(const Rows& rows, const Facts& facts) {
   std::vector<double> angles;
   angles.reserve(6 * facts.cells.size());
   for (const auto& q : facts.cells) angles.insert(angles.end(), q.dihedral_deg.begin(), q.dihedral_deg.end());
+  std::ptrdiff_t placed = 0;
   for (const auto& [metric, share] : {std::pair{"dihedral_p1", 0.01},
                                       {"dihedral_p5", 0.05},
                                       {"dihedral_p50", 0.5},
                                       {"dihedral_p95", 0.95},
                                       {"dihedral_p99", 0.99}})
-    rows.add(metric, percentile(angles, share), "deg");
+    rows.add(metric, percentile(angles, share, placed), "deg");
 }
 
-/// Non-orthogonality and skewness of the inner faces that `accept` takes.
-void add_finite_volume_rows(const Rows& rows, const Facts& facts, const auto& accept) {
+/// Non-orthogonality and skewness of inner faces.
+struct FaceSummary {
   double angle = 0, max_angle = 0, skewness = 0, max_skewness = 0, count = 0;
-  for (std::size_t f = 0; f < facts.faces.size(); ++f) {
-    if (facts.faces[f].other < 0 || !accept(f)) continue;
-    const auto& q = facts.face_quality[f];
+
+  void take(const FaceQuality& q) {
     angle += q.non_orthogonality_deg;
     max_angle = std::max(max_angle, q.non_orthogonality_deg);
     skewness += q.skewness;
     max_skewness = std::max(max_skewness, q.skewness);
     ++count;
   }
-  if (count == 0) return;
-  rows.add("non_orthogonality_mean", angle / count, "deg");
-  rows.add("non_orthogonality_max", max_angle, "deg");
-  rows.add("skewness_mean", skewness / count, "1");
-  rows.add("skewness_max", max_skewness, "1");
+};
+
+void add_finite_volume_rows(const Rows& rows, const FaceSummary& s) {
+  if (s.count == 0) return;
+  rows.add("non_orthogonality_mean", s.angle / s.count, "deg");
+  rows.add("non_orthogonality_max", s.max_angle, "deg");
+  rows.add("skewness_mean", s.skewness / s.count, "1");
+  rows.add("skewness_max", s.max_skewness, "1");
 }
 
 // The outer surface and the interfaces, as the cells have them.
@@ -186,28 +194,45 @@ void add_validity(const Rows& rows, const Facts& facts, std::int64_t inverted) {
   rows.zero("faces_unlabelled", labels.unlabelled_faces);
 }
 
-void add_region(const Rows& rows, const Facts& facts, std::int32_t region, const ValidationSettings& settings) {
-  const auto& mesh = *facts.mesh;
-  const auto is_here = [&](std::int32_t cell) {
-    return cell >= 0 && mesh.region[static_cast<std::size_t>(cell)] == region;
-  };
-  CellSummary summary;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    if (mesh.region[c] == region) summary.take(facts.cells[c]);
-  rows.count("cells", summary.cells);
-  rows.count("components", component_count(mesh, facts.faces, region));
+/// What add_region needs of one region, gathered over all of them in one pass.
+struct RegionFacts {
+  CellSummary cells;
+  FaceSummary inner;
   std::vector<Face> boundary;
-  for (const auto& face : facts.faces)
-    if (is_here(face.cell) != is_here(face.other)) boundary.push_back(face.nodes);
-  const auto topology = surface_topology(boundary);
+  std::int64_t components = 0;
+};
+
+std::map<std::int32_t, RegionFacts> facts_of_regions(const Facts& facts) {
+  const auto& mesh = *facts.mesh;
+  std::map<std::int32_t, RegionFacts> result;
+  const auto region = [&](std::int32_t cell) { return mesh.region[static_cast<std::size_t>(cell)]; };
+  const auto of = [&](std::int32_t tag) -> RegionFacts& { return result[tag]; };
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) of(mesh.region[c]).cells.take(facts.cells[c]);
+  for (std::size_t f = 0; f < facts.faces.size(); ++f) {
+    const auto& face = facts.faces[f];
+    const auto here = region(face.cell);
+    if (face.other >= 0 && region(face.other) == here) {
+      of(here).inner.take(facts.face_quality[f]);
+      continue;
+    }
+    of(here).boundary.push_back(face.nodes);
+    if (face.other >= 0) of(region(face.other)).boundary.push_back(face.nodes);
+  }
+  for (const auto& [tag, count] : component_counts(mesh, facts.faces)) result[tag].components = count;
+  return result;
+}
+
+void add_region(const Rows& rows, const RegionFacts& region, const ValidationSettings& settings) {
+  rows.count("cells", region.cells.cells);
+  rows.count("components", region.components);
+  const auto topology = surface_topology(region.boundary);
   rows.zero("boundary_open_edges", topology.open_edges);
   rows.count("boundary_non_manifold_edges", topology.non_manifold_edges);
   rows.count("boundary_non_manifold_vertices", topology.non_manifold_vertices);
   rows.count("boundary_euler_characteristic", topology.euler_characteristic);
-  add_shape_rows(rows, summary);
-  add_angle_rows(rows, summary, settings);
-  add_finite_volume_rows(rows, facts,
-                         [&](std::size_t f) { return is_here(facts.faces[f].cell) && is_here(facts.faces[f].other); });
+  add_shape_rows(rows, region.cells);
+  add_angle_rows(rows, region.cells, settings);
+  add_finite_volume_rows(rows, region.inner);
 }
 
 // A bad cell behind a good mean hides best on a surface: cells with a face there, on either side.
@@ -227,12 +252,15 @@ void add_surface(const Rows& rows, const Facts& facts, const std::vector<std::si
   rows.add("area", area / 100, "cm2");
   rows.add("scaled_jacobian_min", summary.min_scaled_jacobian, "1");
   add_angle_rows(rows, summary, settings);
-  std::vector<bool> chosen(facts.faces.size(), false);
-  for (const auto f : surface_faces) chosen[f] = true;
-  add_finite_volume_rows(rows, facts, [&](std::size_t f) { return chosen[f]; });
+  FaceSummary inner;
+  for (std::size_t i = 0; i < surface_faces.size(); ++i) {
+    const bool repeated = i > 0 && surface_faces[i] == surface_faces[i - 1];
+    if (!repeated && facts.faces[surface_faces[i]].other >= 0) inner.take(facts.face_quality[surface_faces[i]]);
+  }
+  add_finite_volume_rows(rows, inner);
 }
 
-// Ids in `facts.faces` of the listed faces, per surface tag.
+// Ids in `facts.faces` of the listed faces, ascending, per surface tag.
 std::vector<std::pair<std::int32_t, std::vector<std::size_t>>> faces_by_surface(const Facts& facts) {
   const auto& mesh = *facts.mesh;
   std::vector<std::pair<std::int32_t, std::size_t>> labelled;
@@ -256,6 +284,11 @@ std::vector<std::pair<std::int32_t, std::vector<std::size_t>>> faces_by_surface(
 }  // namespace
 
 Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const ValidationSettings& settings) {
+  return check_mesh(mesh_name, mesh, mesh_faces(mesh), settings);
+}
+
+Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                  const ValidationSettings& settings) {
   Report report;
   const Rows rows{&report, mesh_name};
   rows.count("nodes", static_cast<std::int64_t>(mesh.nodes_mm.size()));
@@ -265,20 +298,22 @@ Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const Valid
   rows.zero("invalid_ids", invalid);
   if (invalid != 0 || mesh.cells.empty()) return report;
 
-  Facts facts{&mesh, cell_qualities(mesh), mesh_faces(mesh), {}};
-  facts.face_quality = face_qualities(mesh, facts.faces);
+  const Facts facts{&mesh, faces, cell_qualities(mesh), face_qualities(mesh, faces)};
   CellSummary all;
   for (const auto& q : facts.cells) all.take(q);
   add_validity(rows, facts, all.inverted);
-  rows.count("components", component_count(mesh, facts.faces, 0));
+  rows.count("components", component_count(mesh, faces));
   add_shape_rows(rows, all);
   add_angle_rows(rows, all, settings);
   add_percentiles(rows, facts);
-  add_finite_volume_rows(rows, facts, [](std::size_t) { return true; });
-  for (const auto region : std::set<std::int32_t>(mesh.region.begin(), mesh.region.end()))
-    add_region({&report, mesh_name + "/" + region_name(region)}, facts, region, settings);
-  for (const auto& [surface, faces] : faces_by_surface(facts))
-    add_surface({&report, mesh_name + "/" + surface_name(surface)}, facts, faces, settings);
+  FaceSummary inner;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if (faces[f].other >= 0) inner.take(facts.face_quality[f]);
+  add_finite_volume_rows(rows, inner);
+  for (const auto& [region, of_region] : facts_of_regions(facts))
+    add_region({&report, mesh_name + "/" + region_name(region)}, of_region, settings);
+  for (const auto& [surface, surface_faces] : faces_by_surface(facts))
+    add_surface({&report, mesh_name + "/" + surface_name(surface)}, facts, surface_faces, settings);
   return report;
 }
 

@@ -4,15 +4,21 @@
 // duplicates. Globally, per region, per surface.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "model/recipe.hpp"
 #include "model/report.hpp"
 #include "model/tet_mesh.hpp"
+#include "validation/mesh_topology.hpp"
 
 namespace heart::validation {
 
 /// Rows of group "mesh"; scope is `mesh_name`, `mesh_name/region` or `mesh_name/surface`. Only rows with a bound in
 /// `settings`, and those that must be zero, judge. Node ids out of range are counted first, and then nothing else is.
 Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const ValidationSettings& settings);
+
+/// The same where the faces are there already, from mesh_faces.
+Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                  const ValidationSettings& settings);
 
 }  // namespace heart::validation

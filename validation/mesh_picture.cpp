@@ -85,9 +85,9 @@ struct Painter {
   SurfaceLookup surface_of;
   std::vector<double> helix;
 
-  Painter(const TetMesh& mesh_, const MeshPictureOptions& options_)
+  Painter(const TetMesh& mesh_, const std::vector<MeshFace>& faces, const MeshPictureOptions& options_)
       : mesh(mesh_), options(options_), surface_of(options_.color == MeshColor::surface ? mesh_ : TetMesh{}) {
-    if (options.color == MeshColor::helix_angle) helix = helix_angle_per_node(mesh);
+    if (options.color == MeshColor::helix_angle) helix = helix_angle_per_node(mesh, faces);
   }
   std::array<Rgb, 3> operator()(const Face& face, std::int32_t cell) const {
     const auto all = [](Rgb c) { return std::array<Rgb, 3>{c, c, c}; };
@@ -136,12 +136,14 @@ void draw_boundary(Layer& layer, const Camera& camera, const Painter& painter, c
 }
 
 /// Lays the half transparent regions over the picture: glassy, denser where they are seen edge-on.
-void draw_ghost(Layer& layer, const Camera& camera, const TetMesh& mesh, const MeshPictureOptions& options) {
+void draw_ghost(Layer& layer, const Camera& camera, const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                const MeshPictureOptions& options) {
   MeshPictureOptions glass = options;
   glass.color = MeshColor::region;
   glass.edges = false;
   Layer over(layer.canvas.width, layer.canvas.height, Rgb{});
-  draw_boundary(over, camera, Painter(mesh, glass), boundary_faces(mesh, choose_cells(mesh, options, true)));
+  draw_boundary(over, camera, Painter(mesh, faces, glass),
+                boundary_faces(mesh, faces, choose_cells(mesh, options, true)));
   for (std::size_t p = 0; p < layer.depth.size(); ++p) {
     if (over.depth[p] < -1e299 || over.depth[p] < layer.depth[p]) continue;
     const double edge_on = 1 - double{over.facing[p]};
@@ -160,6 +162,11 @@ std::vector<Vec3> shown_nodes(const TetMesh& mesh, const std::vector<std::uint8_
 }  // namespace
 
 PngBytes mesh_picture(const TetMesh& mesh, View view, const MeshPictureOptions& options) {
+  return mesh_picture(mesh, mesh_faces(mesh), view, options);
+}
+
+PngBytes mesh_picture(const TetMesh& mesh, const std::vector<MeshFace>& faces, View view,
+                      const MeshPictureOptions& options) {
   MeshPictureOptions uncut = options;
   uncut.cut.reset();
   auto extent = shown_nodes(mesh, choose_cells(mesh, uncut, false));
@@ -171,9 +178,10 @@ PngBytes mesh_picture(const TetMesh& mesh, View view, const MeshPictureOptions& 
   const Camera camera = camera_for(view, extent, width, height);
   const Rgb ground = options.dark ? Rgb{22, 24, 28} : Rgb{255, 255, 255};
   Layer layer(width, height, ground);
-  draw_boundary(layer, camera, Painter(mesh, options), boundary_faces(mesh, choose_cells(mesh, options, false)));
+  draw_boundary(layer, camera, Painter(mesh, faces, options),
+                boundary_faces(mesh, faces, choose_cells(mesh, options, false)));
   shade_depth(layer, camera);
-  if (!options.ghost.empty()) draw_ghost(layer, camera, mesh, options);
+  if (!options.ghost.empty()) draw_ghost(layer, camera, mesh, faces, options);
   Canvas picture = downsampled(layer.canvas, supersampling);
   annotate(picture, camera, camera.pixels_per_mm / supersampling, options.dark ? Rgb{190, 190, 190} : Rgb{90, 90, 90});
   return encode_png(picture);

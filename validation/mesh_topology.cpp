@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <numeric>
-#include <tuple>
 #include <utility>
+
+#include "generator/parallel/threads.hpp"
 
 namespace heart::validation {
 namespace {
@@ -72,27 +74,108 @@ std::int64_t count_repeats(std::vector<T> values) {
   return values.end() - end;
 }
 
+bool ids_are_valid(const TetMesh& mesh) {
+  return std::all_of(mesh.cells.begin(), mesh.cells.end(), [&](const Cell& cell) {
+    return std::all_of(cell.begin(), cell.end(),
+                       [&](std::int32_t n) { return n >= 0 && static_cast<std::size_t>(n) < mesh.nodes_mm.size(); });
+  });
+}
+
+/// A face as one of its cells has it, filed under its smallest node.
+struct Half {
+  Edge others;  ///< its other two nodes, ascending
+  std::int32_t cell;
+  auto operator<=>(const Half&) const = default;
+};
+
+/// All faces of all cells, those of smallest node n from start[n] to start[n + 1].
+std::vector<Half> halves_by_least_node(const TetMesh& mesh, std::vector<std::size_t>& start) {
+  start.assign(mesh.nodes_mm.size() + 1, 0);
+  for (Cell cell : mesh.cells) {
+    std::sort(cell.begin(), cell.end());
+    start[static_cast<std::size_t>(cell[0]) + 1] += 3;
+    start[static_cast<std::size_t>(cell[1]) + 1] += 1;
+  }
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Half> halves(4 * mesh.cells.size());
+  auto next = start;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    Cell n = mesh.cells[c];
+    std::sort(n.begin(), n.end());
+    const auto add = [&](std::int32_t least, std::int32_t middle, std::int32_t most) {
+      halves[next[static_cast<std::size_t>(least)]++] = {{middle, most}, static_cast<std::int32_t>(c)};
+    };
+    add(n[0], n[1], n[2]);
+    add(n[0], n[1], n[3]);
+    add(n[0], n[2], n[3]);
+    add(n[1], n[2], n[3]);
+  }
+  return halves;
+}
+
+/// Sets of cells that hang together through faces, per kind; cells of different kinds never do.
+template <class KindOf>
+std::map<std::int32_t, std::int64_t> count_components(const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                                                      KindOf kind_of) {
+  std::vector<std::int32_t> parent(mesh.cells.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](std::int32_t cell) {
+    while (parent[static_cast<std::size_t>(cell)] != cell) {
+      auto& up = parent[static_cast<std::size_t>(cell)];
+      up = parent[static_cast<std::size_t>(up)];
+      cell = up;
+    }
+    return cell;
+  };
+  for (const auto& face : faces) {
+    if (face.other < 0 || kind_of(face.cell) != kind_of(face.other)) continue;
+    const auto a = root(face.cell), b = root(face.other);
+    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+  std::map<std::int32_t, std::int64_t> components;
+  for (std::size_t c = 0; c < parent.size(); ++c)
+    if (parent[c] == static_cast<std::int32_t>(c)) ++components[kind_of(static_cast<std::int32_t>(c))];
+  return components;
+}
+
 }  // namespace
 
 std::vector<MeshFace> mesh_faces(const TetMesh& mesh) {
-  std::vector<std::pair<Face, std::int32_t>> halves;
-  halves.reserve(4 * mesh.cells.size());
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    const auto& n = mesh.cells[c];
-    for (const Face& face : {Face{n[1], n[2], n[3]}, {n[0], n[2], n[3]}, {n[0], n[1], n[3]}, {n[0], n[1], n[2]}})
-      halves.emplace_back(ascending(face), static_cast<std::int32_t>(c));
-  }
-  std::sort(halves.begin(), halves.end());
-  std::vector<MeshFace> faces;
-  faces.reserve(halves.size() / 2 + 1);
-  for (const auto& [nodes, cell] : halves) {
-    if (faces.empty() || faces.back().nodes != nodes) {
-      faces.push_back({nodes, cell, -1, 1});
-    } else {
-      faces.back().other = cell;
-      ++faces.back().cells;
+  if (!ids_are_valid(mesh)) return {};
+  std::vector<std::size_t> start;
+  auto halves = halves_by_least_node(mesh, start);
+  const auto nodes = static_cast<std::int64_t>(mesh.nodes_mm.size());
+  std::vector<std::size_t> count(static_cast<std::size_t>(nodes) + 1, 0);
+  const auto for_nodes = [&](const auto& body) {
+    parallel::parallel_for(0, nodes, [&](std::int64_t begin, std::int64_t end) {
+      for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+        body(n, halves.begin() + static_cast<std::ptrdiff_t>(start[n]),
+             halves.begin() + static_cast<std::ptrdiff_t>(start[n + 1]));
+    });
+  };
+  for_nodes([&](std::size_t n, auto first, auto last) {
+    std::sort(first, last);
+    for (auto h = first; h != last; ++h) count[n + 1] += h == first || h->others != (h - 1)->others;
+  });
+  std::partial_sum(count.begin(), count.end(), count.begin());
+  std::vector<MeshFace> faces(count.back());
+  for_nodes([&](std::size_t n, auto first, auto last) {
+    auto next = count[n];
+    for (auto h = first; h != last; ++h) {
+      if (h == first || h->others != (h - 1)->others) {
+        faces[next++] = {{static_cast<std::int32_t>(n), h->others.first, h->others.second}, h->cell, -1, 1};
+      } else {
+        faces[next - 1].other = h->cell;
+        ++faces[next - 1].cells;
+      }
     }
-  }
+  });
+  return faces;
+}
+
+FacesOfMeshes faces_of_meshes(const std::map<std::string, TetMesh>& meshes) {
+  FacesOfMeshes faces;
+  for (const auto& [name, mesh] : meshes) faces[name] = mesh_faces(mesh);
   return faces;
 }
 
@@ -113,30 +196,14 @@ SurfaceTopology surface_topology(const std::vector<Face>& faces) {
   return topology;
 }
 
-std::int64_t component_count(const TetMesh& mesh, const std::vector<MeshFace>& faces, std::int32_t region) {
-  std::vector<std::int32_t> parent(mesh.cells.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::int32_t cell) {
-    while (parent[static_cast<std::size_t>(cell)] != cell) {
-      auto& up = parent[static_cast<std::size_t>(cell)];
-      up = parent[static_cast<std::size_t>(up)];
-      cell = up;
-    }
-    return cell;
-  };
-  const auto counts = [&](std::int32_t cell) {
-    return cell >= 0 && (region == 0 || mesh.region[static_cast<std::size_t>(cell)] == region);
-  };
+std::int64_t component_count(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
   std::int64_t components = 0;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) components += counts(static_cast<std::int32_t>(c));
-  for (const auto& face : faces) {
-    if (!counts(face.cell) || !counts(face.other)) continue;
-    const auto a = root(face.cell), b = root(face.other);
-    if (a == b) continue;
-    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    --components;
-  }
+  for (const auto& [tag, count] : count_components(mesh, faces, [](std::int32_t) { return 0; })) components += count;
   return components;
+}
+
+std::map<std::int32_t, std::int64_t> component_counts(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
+  return count_components(mesh, faces, [&](std::int32_t cell) { return mesh.region[static_cast<std::size_t>(cell)]; });
 }
 
 std::int64_t orphan_nodes(const TetMesh& mesh) {

@@ -1,7 +1,8 @@
 // Faces, boundaries and components of a tetrahedral mesh, recomputed from its cells.
 #pragma once
 #include <cstdint>
-#include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "model/tet_mesh.hpp"
@@ -16,8 +17,13 @@ struct MeshFace {
   std::int32_t cells = 1;
 };
 
-/// Every face of the cells once, ascending.
+/// Every face of the cells once, ascending. None where a cell names a node that is not there.
 std::vector<MeshFace> mesh_faces(const TetMesh& mesh);
+
+/// Of several meshes by name.
+using FacesOfMeshes = std::map<std::string, std::vector<MeshFace>>;
+
+FacesOfMeshes faces_of_meshes(const std::map<std::string, TetMesh>& meshes);
 
 /// What a closed surface of triangles looks like.
 struct SurfaceTopology {
@@ -29,8 +35,11 @@ struct SurfaceTopology {
 
 SurfaceTopology surface_topology(const std::vector<Face>& faces);
 
-/// Number of sets of cells of `region` (0: of any region) that hang together through faces.
-std::int64_t component_count(const TetMesh& mesh, const std::vector<MeshFace>& faces, std::int32_t region);
+/// Number of sets of cells that hang together through faces.
+std::int64_t component_count(const TetMesh& mesh, const std::vector<MeshFace>& faces);
+
+/// The same per region, through faces between its own cells.
+std::map<std::int32_t, std::int64_t> component_counts(const TetMesh& mesh, const std::vector<MeshFace>& faces);
 
 std::int64_t orphan_nodes(const TetMesh& mesh);     ///< nodes of no cell
 std::int64_t duplicate_nodes(const TetMesh& mesh);  ///< nodes at exactly the place of another

@@ -10,6 +10,7 @@
 
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
+#include "validation/mesh_topology.hpp"
 
 namespace heart::validation {
 
@@ -61,6 +62,10 @@ struct MeshPictureOptions {
 /// Orthographic shaded picture of the mesh's boundary faces.
 PngBytes mesh_picture(const TetMesh& mesh, View view, const MeshPictureOptions& options = {});
 
+/// The same for several pictures of one mesh: `faces` from mesh_faces.
+PngBytes mesh_picture(const TetMesh& mesh, const std::vector<MeshFace>& faces, View view,
+                      const MeshPictureOptions& options);
+
 struct FiberPictureOptions {
   int width_px = 900;
   int height_px = 720;
@@ -77,9 +82,14 @@ struct FiberPictureOptions {
 /// cells; throws UserError without them.
 PngBytes fiber_picture(const TetMesh& myocardium, const FiberPictureOptions& options = {});
 
+/// The same for several pictures of one mesh: `faces` from mesh_faces, `helix_deg` from helix_angle_per_node.
+PngBytes fiber_picture(const TetMesh& myocardium, const std::vector<MeshFace>& faces,
+                       const std::vector<double>& helix_deg, const FiberPictureOptions& options);
+
 /// Helix angle in degrees (-90 .. 90) per node, for colouring: against the outward normal of the nearest wall surface
 /// and the long axis of the left ventricle. NaN where there is no fibre or no wall.
 std::vector<double> helix_angle_per_node(const TetMesh& myocardium);
+std::vector<double> helix_angle_per_node(const TetMesh& myocardium, const std::vector<MeshFace>& faces);
 
 /// Inline SVG charts; their text and lines take the colour of the page they are put in.
 struct HistogramSeries {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace heart::validation {
 namespace {
@@ -30,48 +31,128 @@ struct Sets {
   }
 };
 
-template <class T>
-std::int64_t count_different(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  return std::unique(values.begin(), values.end()) - values.begin();
-}
+/// For every node the regions of its cells, ascending: region[start[n]] .. region[start[n + 1]]. A place in this list
+/// stands for what one region has there. Regions are numbers of `tags`.
+struct NodeRegions {
+  std::vector<std::int32_t> tags;
+  std::vector<std::int32_t> of_cell;
+  std::vector<std::size_t> start;
+  std::vector<std::int32_t> region;
 
-std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
-}
-
-/// Nodes and edges that cells or faces use.
-struct Skeleton {
-  std::vector<std::uint64_t> edges;
-  std::vector<std::int32_t> nodes;
-
-  template <std::size_t N>
-  void add(const std::array<std::int32_t, N>& ids) {
-    for (std::size_t i = 0; i < N; ++i) {
-      nodes.push_back(ids[i]);
-      for (std::size_t j = i + 1; j < N; ++j) edges.push_back(edge_key(ids[i], ids[j]));
-    }
+  std::size_t place(std::int32_t node, std::int32_t wanted) const {
+    auto at = start[static_cast<std::size_t>(node)];
+    while (region[at] != wanted) ++at;
+    return at;
   }
-  std::int64_t nodes_minus_edges() { return count_different(nodes) - count_different(edges); }
 };
 
-struct MeshRegion {
-  const TetMesh* mesh;
-  std::int32_t region;
-  bool has(std::int32_t cell) const { return cell >= 0 && mesh->region[static_cast<std::size_t>(cell)] == region; }
-};
-
-std::vector<double> component_volumes(const MeshRegion& in, const std::vector<MeshFace>& faces) {
-  Sets sets(in.mesh->cells.size());
+/// With the mesh's boundary as one more region, the last one.
+NodeRegions node_regions(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
+  NodeRegions result;
+  result.tags.assign(mesh.region.begin(), mesh.region.end());
+  std::sort(result.tags.begin(), result.tags.end());
+  result.tags.erase(std::unique(result.tags.begin(), result.tags.end()), result.tags.end());
+  result.of_cell.reserve(mesh.region.size());
+  for (const auto tag : mesh.region)
+    result.of_cell.push_back(
+        static_cast<std::int32_t>(std::lower_bound(result.tags.begin(), result.tags.end(), tag) - result.tags.begin()));
+  const auto nodes = mesh.nodes_mm.size();
+  std::vector<std::vector<std::int32_t>> more(nodes);  // beside the first region met
+  std::vector<std::int32_t> first(nodes, -1);
+  const auto take = [&](std::int32_t node, std::int32_t region) {
+    const auto n = static_cast<std::size_t>(node);
+    if (first[n] < 0) first[n] = region;
+    if (first[n] != region && std::find(more[n].begin(), more[n].end(), region) == more[n].end())
+      more[n].push_back(region);
+  };
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    for (const auto n : mesh.cells[c]) take(n, result.of_cell[c]);
   for (const auto& face : faces)
-    if (in.has(face.cell) && in.has(face.other)) sets.join(face.cell, face.other);
-  std::map<std::int32_t, double> volume;
-  for (std::size_t c = 0; c < in.mesh->cells.size(); ++c)
-    if (in.mesh->region[c] == in.region)
-      volume[sets.root(static_cast<std::int32_t>(c))] += cell_volume_mm3(*in.mesh, in.mesh->cells[c]) / mm3_per_ml;
-  std::vector<double> sizes;
-  for (const auto& [root, size] : volume) sizes.push_back(size);
-  std::sort(sizes.begin(), sizes.end(), std::greater<>());
+    if (face.other < 0)
+      for (const auto n : face.nodes) take(n, static_cast<std::int32_t>(result.tags.size()));
+  result.start.push_back(0);
+  for (std::size_t n = 0; n < nodes; ++n) {
+    if (first[n] >= 0) more[n].push_back(first[n]);
+    std::sort(more[n].begin(), more[n].end());
+    result.region.insert(result.region.end(), more[n].begin(), more[n].end());
+    result.start.push_back(result.region.size());
+  }
+  return result;
+}
+
+/// Different edges that cells or faces of each region have, less its nodes there. `take_all(add)` calls
+/// add(ids, region) for each cell or face.
+template <std::size_t N, class TakeAll>
+std::vector<std::int64_t> edges_less_nodes(std::size_t nodes, std::size_t regions, TakeAll take_all) {
+  // Filed under the smaller node: the larger one, or again itself for the node alone, and the region.
+  std::vector<std::size_t> start(nodes + 1, 0);
+  take_all([&](std::array<std::int32_t, N> ids, std::int32_t) {
+    std::sort(ids.begin(), ids.end());
+    for (std::size_t i = 0; i < N; ++i) start[static_cast<std::size_t>(ids[i]) + 1] += N - i;
+  });
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<std::pair<std::int32_t, std::int32_t>> items(start.back());
+  auto next = start;
+  take_all([&](std::array<std::int32_t, N> ids, std::int32_t region) {
+    std::sort(ids.begin(), ids.end());
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = i; j < N; ++j) items[next[static_cast<std::size_t>(ids[i])]++] = {ids[j], region};
+  });
+  std::vector<std::int64_t> result(regions, 0);
+  for (std::size_t n = 0; n < nodes; ++n) {
+    const auto first = items.begin() + static_cast<std::ptrdiff_t>(start[n]);
+    const auto last = items.begin() + static_cast<std::ptrdiff_t>(start[n + 1]);
+    std::sort(first, last);
+    for (auto at = first; at != last; ++at)
+      if (at == first || *at != *(at - 1))
+        result[static_cast<std::size_t>(at->second)] += at->first == static_cast<std::int32_t>(n) ? -1 : 1;
+  }
+  return result;
+}
+
+/// Euler characteristic of each region's inside: cells, faces, edges and nodes but for those of its boundary. Poincaré
+/// duality makes that of the open set of their alternating sum.
+std::vector<std::int64_t> characteristics(const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                                          const NodeRegions& regions) {
+  const auto region = [&](std::int32_t cell) {
+    return cell < 0 ? -1 : regions.of_cell[static_cast<std::size_t>(cell)];
+  };
+  const auto nodes = mesh.nodes_mm.size();
+  const auto whole = edges_less_nodes<4>(nodes, regions.tags.size(), [&](const auto& add) {
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) add(mesh.cells[c], regions.of_cell[c]);
+  });
+  const auto boundary = edges_less_nodes<3>(nodes, regions.tags.size(), [&](const auto& add) {
+    for (const auto& face : faces) {
+      const auto a = region(face.cell), b = region(face.other);
+      if (a == b) continue;
+      add(face.nodes, a);
+      if (b >= 0) add(face.nodes, b);
+    }
+  });
+  std::vector<std::int64_t> sum(regions.tags.size(), 0);
+  for (const auto r : regions.of_cell) ++sum[static_cast<std::size_t>(r)];
+  for (const auto& face : faces)
+    if (region(face.cell) == region(face.other)) --sum[static_cast<std::size_t>(region(face.cell))];
+  for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += whole[r] - boundary[r];
+  return sum;
+}
+
+/// Volumes of the pieces of each region, largest first.
+std::vector<std::vector<double>> component_volumes(const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                                                   const NodeRegions& regions) {
+  Sets sets(mesh.cells.size());
+  const auto region = [&](std::int32_t cell) { return regions.of_cell[static_cast<std::size_t>(cell)]; };
+  for (const auto& face : faces)
+    if (face.other >= 0 && region(face.cell) == region(face.other)) sets.join(face.cell, face.other);
+  std::vector<double> volume(mesh.cells.size(), 0);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    volume[static_cast<std::size_t>(sets.root(static_cast<std::int32_t>(c)))] +=
+        cell_volume_mm3(mesh, mesh.cells[c]) / mm3_per_ml;
+  std::vector<std::vector<double>> sizes(regions.tags.size());
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (sets.root(static_cast<std::int32_t>(c)) == static_cast<std::int32_t>(c))
+      sizes[static_cast<std::size_t>(regions.of_cell[c])].push_back(volume[c]);
+  for (auto& of_region : sizes) std::sort(of_region.begin(), of_region.end(), std::greater<>());
   return sizes;
 }
 
@@ -100,28 +181,56 @@ std::vector<std::int32_t> outer_shells(const TetMesh& mesh, const std::vector<Me
   return shells;
 }
 
-/// Pieces of what is around the region, beside the outside of the mesh, which the last set stands for.
-std::int64_t cavity_count(const MeshRegion& in, const std::vector<MeshFace>& faces) {
-  const auto nodes = in.mesh->nodes_mm.size();
-  const auto outside = static_cast<std::int32_t>(nodes);
-  Sets sets(nodes + 1);
-  std::vector<bool> around(nodes + 1, false);
-  around[nodes] = true;
-  const auto take = [&](const auto& ids) {
-    for (const auto n : ids) {
-      around[static_cast<std::size_t>(n)] = true;
-      sets.join(n, ids[0]);
-    }
+/// What hangs together through nodes: pieces of the regions and of the mesh's boundary, and which of them touch.
+struct Contacts {
+  std::vector<std::int32_t> region;                             ///< per piece
+  std::vector<std::pair<std::int32_t, std::int32_t>> touching;  ///< pieces, ascending
+  std::vector<std::int32_t> outer;                              ///< pieces with the outside around them
+};
+
+Contacts contacts_of(const TetMesh& mesh, const std::vector<MeshFace>& faces, const NodeRegions& regions) {
+  Sets sets(regions.region.size());
+  const auto boundary = static_cast<std::int32_t>(regions.tags.size());
+  const auto place = [&](std::int32_t node, std::int32_t region) {
+    return static_cast<std::int32_t>(regions.place(node, region));
   };
-  for (std::size_t c = 0; c < in.mesh->cells.size(); ++c)
-    if (in.mesh->region[c] != in.region) take(in.mesh->cells[c]);
+  const auto join = [&](const auto& ids, std::int32_t region) {
+    for (const auto n : ids) sets.join(place(n, region), place(ids[0], region));
+  };
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) join(mesh.cells[c], regions.of_cell[c]);
   for (const auto& face : faces)
-    if (face.other < 0) take(face.nodes);
-  for (const auto node : outer_shells(*in.mesh, faces)) sets.join(node, outside);
-  std::int64_t pieces = 0;
-  for (std::size_t n = 0; n <= nodes; ++n)
-    pieces += around[n] && sets.root(static_cast<std::int32_t>(n)) == static_cast<std::int32_t>(n);
-  return pieces - 1;
+    if (face.other < 0) join(face.nodes, boundary);
+  Contacts contacts;
+  std::vector<std::int32_t> piece(regions.region.size(), -1);
+  const auto piece_at = [&](std::size_t at) {
+    return piece[static_cast<std::size_t>(sets.root(static_cast<std::int32_t>(at)))];
+  };
+  for (std::size_t at = 0; at < piece.size(); ++at)
+    if (sets.root(static_cast<std::int32_t>(at)) == static_cast<std::int32_t>(at)) {
+      piece[at] = static_cast<std::int32_t>(contacts.region.size());
+      contacts.region.push_back(regions.region[at]);
+    }
+  for (std::size_t n = 0; n < mesh.nodes_mm.size(); ++n)
+    for (auto a = regions.start[n]; a < regions.start[n + 1]; ++a)
+      for (auto b = a + 1; b < regions.start[n + 1]; ++b) contacts.touching.emplace_back(piece_at(a), piece_at(b));
+  std::sort(contacts.touching.begin(), contacts.touching.end());
+  contacts.touching.erase(std::unique(contacts.touching.begin(), contacts.touching.end()), contacts.touching.end());
+  for (const auto node : outer_shells(mesh, faces)) contacts.outer.push_back(piece_at(regions.place(node, boundary)));
+  return contacts;
+}
+
+/// Pieces of what is around the region, beside the outside of the mesh, which the last set stands for.
+std::int64_t cavity_count(const Contacts& contacts, std::int32_t region) {
+  const auto pieces = contacts.region.size();
+  const auto around = [&](std::int32_t piece) { return contacts.region[static_cast<std::size_t>(piece)] != region; };
+  Sets sets(pieces + 1);
+  for (const auto& [a, b] : contacts.touching)
+    if (around(a) && around(b)) sets.join(a, b);
+  for (const auto piece : contacts.outer) sets.join(piece, static_cast<std::int32_t>(pieces));
+  std::int64_t count = -1;
+  for (std::int32_t p = 0; p <= static_cast<std::int32_t>(pieces); ++p)
+    count += (p == static_cast<std::int32_t>(pieces) || around(p)) && sets.root(p) == p;
+  return count;
 }
 
 // ---- voxels ----
@@ -229,28 +338,19 @@ std::vector<std::int64_t> piece_sizes(const VoxelBox& box, std::uint8_t value, s
 
 }  // namespace
 
-RegionTopology region_topology(const TetMesh& mesh, const std::vector<MeshFace>& faces, std::int32_t region) {
-  const MeshRegion in{&mesh, region};
-  Skeleton whole, boundary;
-  std::int64_t cells = 0, inner_faces = 0;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    if (mesh.region[c] == region) {
-      ++cells;
-      whole.add(mesh.cells[c]);
-    }
-  for (const auto& face : faces) {
-    if (in.has(face.cell) && in.has(face.other)) ++inner_faces;
-    if (in.has(face.cell) != in.has(face.other)) boundary.add(face.nodes);
+std::map<std::int32_t, RegionTopology> region_topologies(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
+  const auto regions = node_regions(mesh, faces);
+  const auto contacts = contacts_of(mesh, faces, regions);
+  const auto characteristic = characteristics(mesh, faces, regions);
+  auto volumes = component_volumes(mesh, faces, regions);
+  std::map<std::int32_t, RegionTopology> result;
+  for (std::size_t r = 0; r < regions.tags.size(); ++r) {
+    RegionTopology& topology = result[regions.tags[r]];
+    topology.components_ml = std::move(volumes[r]);
+    topology.cavities = cavity_count(contacts, static_cast<std::int32_t>(r));
+    topology.handles = static_cast<std::int64_t>(topology.components_ml.size()) + topology.cavities - characteristic[r];
   }
-  // Cells, faces, edges and nodes inside the region: those of its boundary do not count. Poincaré duality turns their
-  // alternating sum into the Euler characteristic of the open set.
-  const std::int64_t inner_nodes_minus_edges = whole.nodes_minus_edges() - boundary.nodes_minus_edges();
-  const std::int64_t characteristic = cells - inner_faces - inner_nodes_minus_edges;
-  RegionTopology topology;
-  topology.components_ml = component_volumes(in, faces);
-  topology.cavities = cells == 0 ? 0 : cavity_count(in, faces);
-  topology.handles = static_cast<std::int64_t>(topology.components_ml.size()) + topology.cavities - characteristic;
-  return topology;
+  return result;
 }
 
 RegionTopology region_topology(const LabelVolume& labels, std::uint8_t label) {

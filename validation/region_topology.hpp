@@ -3,6 +3,7 @@
 // faces of 6 neighbours, and what lies around them through edges and corners too.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "model/tet_mesh.hpp"
@@ -17,8 +18,9 @@ struct RegionTopology {
   std::int64_t cavities = 0;          ///< parts of the rest that the region encloses
 };
 
-/// From the Euler characteristic of the cells, faces, edges and nodes inside the region: pieces - handles + cavities.
-RegionTopology region_topology(const TetMesh& mesh, const std::vector<MeshFace>& faces, std::int32_t region);
+/// Of every region of the mesh, from the Euler characteristic of the cells, faces, edges and nodes inside it: pieces -
+/// handles + cavities. `faces` from mesh_faces.
+std::map<std::int32_t, RegionTopology> region_topologies(const TetMesh& mesh, const std::vector<MeshFace>& faces);
 
 /// The same of the voxels with value `label`; beyond the image is the outside.
 RegionTopology region_topology(const LabelVolume& labels, std::uint8_t label);

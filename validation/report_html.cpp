@@ -130,9 +130,10 @@ std::string navigation(const std::string& body) {
 }  // namespace
 
 std::string make_report(const ReportInput& input) {
+  const Shared shared = shared_by_pieces(input);
   Pieces pieces;
   for (const auto section : {viewer_section, slices_section, meshes_section, fibers_section})
-    for (auto& piece : section(input)) pieces.push_back(std::move(piece));
+    for (auto& piece : section(input, shared)) pieces.push_back(std::move(piece));
   const std::string body = joined(pieces) + certificate_section(input) + provenance_html(input);
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

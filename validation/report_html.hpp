@@ -9,6 +9,7 @@
 #include "model/report.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
+#include "validation/mesh_topology.hpp"
 
 namespace heart::validation {
 
@@ -18,6 +19,7 @@ struct ReportInput {
   const CtVolume* ct = nullptr;                            ///< null when re-made from a bundle
   const LabelVolume* labels = nullptr;                     ///< null: no slices
   const std::map<std::string, TetMesh>* meshes = nullptr;  ///< "myocardium", "torso", ...; null: none
+  const FacesOfMeshes* faces = nullptr;                    ///< of these meshes; null: found here
   const Report* report = nullptr;                          ///< the certificate; null: none
 
   std::string atlas_name;

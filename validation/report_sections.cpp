@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 
-#include "generator/parallel/threads.hpp"
+#include "generator/parallel/tasks.hpp"
 #include "model/labels.hpp"
 #include "validation/cell_quality.hpp"
 #include "validation/fiber_checks.hpp"
@@ -194,7 +193,7 @@ MeshPictureOptions mesh_options(int width_px) {
   return options;
 }
 
-Pieces heart_pictures(const TetMesh& walls, int width_px) {
+Pieces heart_pictures(const TetMesh& walls, const std::vector<MeshFace>& faces, int width_px) {
   Pieces pieces;
   const MeshPictureOptions whole = mesh_options(width_px);
   MeshPictureOptions front = whole, across = whole;
@@ -202,7 +201,8 @@ Pieces heart_pictures(const TetMesh& walls, int width_px) {
   front.cut = CutPlane{center, {0, -1, 0}};
   across.cut = CutPlane{center, {0, 0, -1}};
   const auto add_view = [&](View view, const MeshPictureOptions& options, const char* caption) {
-    add_figure(pieces, caption, true, [&walls, view, options] { return mesh_picture(walls, view, options); });
+    add_figure(pieces, caption, true,
+               [&walls, &faces, view, options] { return mesh_picture(walls, faces, view, options); });
   };
   add(pieces, "<div class=\"row two\">\n");
   add_view(View::front, whole, "From the front. The patient's left is on the right.");
@@ -213,7 +213,7 @@ Pieces heart_pictures(const TetMesh& walls, int width_px) {
   return pieces;
 }
 
-Pieces torso_pictures(const TetMesh& torso, const TetMesh* walls, int width_px) {
+Pieces torso_pictures(const TetMesh& torso, const std::vector<MeshFace>& faces, const TetMesh* walls, int width_px) {
   Vec3 center;
   for (const Vec3& p : torso.nodes_mm) center += p / static_cast<double>(torso.nodes_mm.size());
   if (walls) center = heart_frame(*walls).center_mm;
@@ -221,7 +221,8 @@ Pieces torso_pictures(const TetMesh& torso, const TetMesh* walls, int width_px) 
   const auto add_view = [&](View view, const Vec3& normal, const char* caption) {
     MeshPictureOptions options = mesh_options(width_px);
     options.cut = CutPlane{center, normal};
-    add_figure(pieces, caption, true, [&torso, view, options] { return mesh_picture(torso, view, options); });
+    add_figure(pieces, caption, true,
+               [&torso, &faces, view, options] { return mesh_picture(torso, faces, view, options); });
   };
   add(pieces, "<h3>Torso</h3>\n<div class=\"row two\">\n");
   add_view(View::front, {0, -1, 0}, "Torso, cut in front through the heart.");
@@ -230,11 +231,12 @@ Pieces torso_pictures(const TetMesh& torso, const TetMesh* walls, int width_px) 
   return pieces;
 }
 
-void add_vessel(Pieces& pieces, const TetMesh& mesh, const std::string& name, int width_px) {
+void add_vessel(Pieces& pieces, const TetMesh& mesh, const std::vector<MeshFace>& faces, const std::string& name,
+                int width_px) {
   MeshPictureOptions options = mesh_options(width_px);
   options.color = MeshColor::surface;
   add_figure(pieces, name + ", coloured by labelled surface.", true,
-             [&mesh, options] { return mesh_picture(mesh, View::front, options); });
+             [&mesh, &faces, options] { return mesh_picture(mesh, faces, View::front, options); });
 }
 
 ProfileSeries profile_series(const TetMesh& walls, Region ventricle, const std::string& name) {
@@ -246,8 +248,8 @@ ProfileSeries profile_series(const TetMesh& walls, Region ventricle, const std::
 
 namespace {
 
-std::string viewer_html(const ReportInput& input) {
-  const ViewerData data = viewer_data(*input.meshes);
+std::string viewer_html(const ReportInput& input, const Shared& shared) {
+  const ViewerData data = viewer_data(*input.meshes, shared.all_faces(), shared.helix_deg);
   if (data.empty) return "";
   std::string html =
       "<h2 id=\"view\">The model in 3D</h2>\n<div id=\"viewer\"><div class=\"stage\"><canvas tabindex=\"0\" "
@@ -290,13 +292,13 @@ std::string slices_lead(const ReportInput& input) {
   return html + legend(regions);
 }
 
-std::string helix_charts(const TetMesh& walls) {
+std::string helix_charts(const TetMesh& walls, const std::vector<double>& helix_deg) {
   std::string html = "<div class=\"row two\"><div class=\"card\"><h3>Helix angle through the wall</h3>";
   html += helix_profile_svg({profile_series(walls, Region::lv_myocardium, "left ventricle"),
                              profile_series(walls, Region::rv_myocardium, "right ventricle")});
   html += "</div><div class=\"card\"><h3>Helix angles of all nodes</h3>";
   std::vector<double> angles;
-  for (const double a : helix_angle_per_node(walls))
+  for (const double a : helix_deg)
     if (std::isfinite(a)) angles.push_back(a);
   return html + histogram_svg({"helix angle", angles}, -90, 90, 60, "degrees") + "</div></div>\n";
 }
@@ -305,21 +307,30 @@ std::string helix_charts(const TetMesh& walls) {
 
 std::string joined(const Pieces& pieces) {
   std::vector<std::string> texts(pieces.size());
-  std::atomic<std::size_t> next = 0;  // whoever is free takes the next one
-  parallel::parallel_for(0, parallel::thread_count(), [&](std::int64_t, std::int64_t) {
-    for (std::size_t p = next++; p < pieces.size(); p = next++) texts[p] = pieces[p]();
-  });
+  std::vector<std::function<void()>> tasks;
+  for (std::size_t p = 0; p < pieces.size(); ++p) tasks.emplace_back([&, p] { texts[p] = pieces[p](); });
+  parallel::run_tasks(tasks);
   std::string all;
   for (const auto& text : texts) all += text;
   return all;
 }
 
-Pieces viewer_section(const ReportInput& input) {
-  if (!input.meshes) return {};
-  return {[&input] { return viewer_html(input); }};
+Shared shared_by_pieces(const ReportInput& input) {
+  Shared shared;
+  shared.given_faces = input.faces;
+  if (!input.meshes) return shared;
+  if (!shared.given_faces) shared.own_faces = faces_of_meshes(*input.meshes);
+  if (const TetMesh* walls = mesh_named(input, "myocardium"))
+    shared.helix_deg = helix_angle_per_node(*walls, shared.faces_of("myocardium"));
+  return shared;
 }
 
-Pieces slices_section(const ReportInput& input) {
+Pieces viewer_section(const ReportInput& input, const Shared& shared) {
+  if (!input.meshes) return {};
+  return {[&input, &shared] { return viewer_html(input, shared); }};
+}
+
+Pieces slices_section(const ReportInput& input, const Shared&) {
   if (!input.labels) return {};
   const Extent heart = heart_extent(*input.labels);
   if (heart.empty()) return {};
@@ -335,17 +346,18 @@ Pieces slices_section(const ReportInput& input) {
   return pieces;
 }
 
-Pieces meshes_section(const ReportInput& input) {
+Pieces meshes_section(const ReportInput& input, const Shared& shared) {
   if (!input.meshes || input.meshes->empty()) return {};
   Pieces pieces;
   add(pieces, "<h2 id=\"meshes\">Meshes</h2>\n");
   const TetMesh* walls = mesh_named(input, "myocardium");
-  if (walls) add(pieces, heart_pictures(*walls, input.picture_width_px));
+  if (walls) add(pieces, heart_pictures(*walls, shared.faces_of("myocardium"), input.picture_width_px));
   if (const TetMesh* torso = mesh_named(input, "torso"))
-    add(pieces, torso_pictures(*torso, walls, input.picture_width_px));
+    add(pieces, torso_pictures(*torso, shared.faces_of("torso"), walls, input.picture_width_px));
   Pieces vessels;
   for (const char* name : {"trachea", "carotid"})
-    if (const TetMesh* mesh = mesh_named(input, name)) add_vessel(vessels, *mesh, name, input.picture_width_px);
+    if (const TetMesh* mesh = mesh_named(input, name))
+      add_vessel(vessels, *mesh, shared.faces_of(name), name, input.picture_width_px);
   if (!vessels.empty()) {
     add(pieces, "<h3>Vessels and airways</h3>\n<div class=\"row two\">\n");
     add(pieces, std::move(vessels));
@@ -355,7 +367,7 @@ Pieces meshes_section(const ReportInput& input) {
   return pieces;
 }
 
-Pieces fibers_section(const ReportInput& input) {
+Pieces fibers_section(const ReportInput& input, const Shared& shared) {
   const TetMesh* walls = mesh_named(input, "myocardium");
   if (!walls || walls->node_fibers.fiber.size() != walls->nodes_mm.size()) return {};
   std::string lead = "<h2 id=\"fibres\">Fibres</h2>\n<p class=\"lead\">";
@@ -367,12 +379,15 @@ Pieces fibers_section(const ReportInput& input) {
   add(pieces, lead + "</p>\n<div class=\"row two\">\n");
   FiberPictureOptions options;
   options.width_px = input.picture_width_px, options.height_px = input.picture_width_px * 30 / 31;
-  add_figure(pieces, "Cut along the long axis of the left ventricle.", true,
-             [walls, options] { return fiber_picture(*walls, options); });
+  add_figure(pieces, "Cut along the long axis of the left ventricle.", true, [walls, &shared, options] {
+    return fiber_picture(*walls, shared.faces_of("myocardium"), shared.helix_deg, options);
+  });
   options.cut = false;
-  add_figure(pieces, "The outside, from the front.", true, [walls, options] { return fiber_picture(*walls, options); });
+  add_figure(pieces, "The outside, from the front.", true, [walls, &shared, options] {
+    return fiber_picture(*walls, shared.faces_of("myocardium"), shared.helix_deg, options);
+  });
   add(pieces, "</div>\n");
-  pieces.emplace_back([walls] { return helix_charts(*walls); });
+  pieces.emplace_back([walls, &shared] { return helix_charts(*walls, shared.helix_deg); });
   return pieces;
 }
 

@@ -14,10 +14,23 @@ using Pieces = std::vector<std::function<std::string()>>;
 /// The texts of all pieces one after the other, made on all threads; the same bytes for any number of them.
 std::string joined(const Pieces& pieces);
 
-// The pieces refer to `input`.
-Pieces viewer_section(const ReportInput& input);
-Pieces slices_section(const ReportInput& input);
-Pieces meshes_section(const ReportInput& input);
-Pieces fibers_section(const ReportInput& input);
+/// What several pieces need of the meshes.
+struct Shared {
+  const FacesOfMeshes* given_faces = nullptr;
+  FacesOfMeshes own_faces;        ///< where none are given
+  std::vector<double> helix_deg;  ///< per node of the myocardium; empty without one
+
+  const FacesOfMeshes& all_faces() const { return given_faces ? *given_faces : own_faces; }
+  const std::vector<MeshFace>& faces_of(const std::string& mesh) const { return all_faces().at(mesh); }
+};
+
+/// Refers to `input`.
+Shared shared_by_pieces(const ReportInput& input);
+
+// The pieces refer to `input` and `shared`.
+Pieces viewer_section(const ReportInput& input, const Shared& shared);
+Pieces slices_section(const ReportInput& input, const Shared& shared);
+Pieces meshes_section(const ReportInput& input, const Shared& shared);
+Pieces fibers_section(const ReportInput& input, const Shared& shared);
 
 }  // namespace heart::validation

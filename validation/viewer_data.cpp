@@ -114,7 +114,8 @@ double total_area_mm2(const TetMesh& mesh, const BoundaryFaces& boundary) {
 
 /// The parts of one mesh: the given regions, at most `budget` triangles in all. `skin` merges everything else of the
 /// torso into its outer surface.
-std::vector<Part> mesh_parts(const TetMesh& mesh, const std::set<std::int32_t>& regions, bool skin, std::size_t budget,
+std::vector<Part> mesh_parts(const TetMesh& mesh, const std::vector<MeshFace>& faces,
+                             const std::set<std::int32_t>& regions, bool skin, std::size_t budget,
                              const std::vector<double>& helix_deg) {
   std::vector<Part> parts;
   const auto gather = [&](const BoundaryFaces& boundary, std::vector<std::int32_t> region_of_face,
@@ -138,12 +139,12 @@ std::vector<Part> mesh_parts(const TetMesh& mesh, const std::set<std::int32_t>& 
   };
   std::vector<std::uint8_t> chosen(mesh.cells.size());
   for (std::size_t c = 0; c < chosen.size(); ++c) chosen[c] = regions.count(mesh.region[c]) > 0;
-  const BoundaryFaces boundary = boundary_faces(mesh, chosen, true);
+  const BoundaryFaces boundary = boundary_faces(mesh, faces, chosen, true);
   std::vector<std::int32_t> region_of_face;
   for (const auto c : boundary.cell) region_of_face.push_back(mesh.region[static_cast<std::size_t>(c)]);
   gather(boundary, region_of_face, regions, budget);
   if (skin) {
-    const BoundaryFaces outer = boundary_faces(mesh, std::vector<std::uint8_t>(mesh.cells.size(), 1));
+    const BoundaryFaces outer = boundary_faces(mesh, faces, std::vector<std::uint8_t>(mesh.cells.size(), 1));
     const std::int32_t torso = tag(Region::torso);
     gather(outer, std::vector<std::int32_t>(outer.faces.size(), torso), {torso}, budget);
     if (!parts.empty()) parts.back().glass = true;
@@ -151,8 +152,8 @@ std::vector<Part> mesh_parts(const TetMesh& mesh, const std::set<std::int32_t>& 
   return parts;
 }
 
-std::vector<Part> all_parts(const std::map<std::string, TetMesh>& meshes, const ViewerSettings& settings,
-                            const std::vector<double>& helix_deg) {
+std::vector<Part> all_parts(const std::map<std::string, TetMesh>& meshes, const FacesOfMeshes& faces,
+                            const ViewerSettings& settings, const std::vector<double>& helix_deg) {
   std::vector<Part> parts;
   std::set<std::int32_t> done;
   for (const char* name : {"myocardium", "chambers", "trachea", "carotid", "torso"}) {
@@ -167,7 +168,8 @@ std::vector<Part> all_parts(const std::map<std::string, TetMesh>& meshes, const 
     done.insert(regions.begin(), regions.end());
     const bool is_walls = found->first == "myocardium";
     const std::size_t budget = is_walls ? settings.heart_triangles : settings.body_triangles;
-    for (Part& part : mesh_parts(mesh, regions, is_torso, budget, is_walls ? helix_deg : std::vector<double>{}))
+    for (Part& part : mesh_parts(mesh, faces.at(found->first), regions, is_torso, budget,
+                                 is_walls ? helix_deg : std::vector<double>{}))
       parts.push_back(std::move(part));
   }
   return parts;
@@ -302,11 +304,20 @@ Json angles_json(const TetMesh& walls, const std::vector<double>& helix_deg, Blo
 }  // namespace
 
 ViewerData viewer_data(const std::map<std::string, TetMesh>& meshes, const ViewerSettings& settings) {
+  const auto faces = faces_of_meshes(meshes);
+  const auto walls = meshes.find("myocardium");
+  return viewer_data(
+      meshes, faces,
+      walls == meshes.end() ? std::vector<double>{} : helix_angle_per_node(walls->second, faces.at("myocardium")),
+      settings);
+}
+
+ViewerData viewer_data(const std::map<std::string, TetMesh>& meshes, const FacesOfMeshes& faces,
+                       const std::vector<double>& helix_deg, const ViewerSettings& settings) {
   const auto found = meshes.find("myocardium");
   const TetMesh none;
   const TetMesh& walls = found == meshes.end() ? none : found->second;
-  const auto helix_deg = helix_angle_per_node(walls);
-  const auto parts = all_parts(meshes, settings, helix_deg);
+  const auto parts = all_parts(meshes, faces, settings, helix_deg);
   ViewerData data;
   if (parts.empty()) return data;
   data.empty = false;

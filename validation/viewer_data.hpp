@@ -2,8 +2,10 @@
 #pragma once
 #include <map>
 #include <string>
+#include <vector>
 
 #include "model/tet_mesh.hpp"
+#include "validation/mesh_topology.hpp"
 
 namespace heart::validation {
 
@@ -24,5 +26,10 @@ struct ViewerSettings {
 /// Closed surface of every region; the torso's skin is glass. Meshes: "myocardium", "chambers", "trachea", "carotid",
 /// "torso"; a region is taken from the first of these that has it.
 ViewerData viewer_data(const std::map<std::string, TetMesh>& meshes, const ViewerSettings& settings = {});
+
+/// The same where they are there already: `faces` of each of these meshes, `helix_deg` of the myocardium's nodes (from
+/// helix_angle_per_node; empty without a myocardium).
+ViewerData viewer_data(const std::map<std::string, TetMesh>& meshes, const FacesOfMeshes& faces,
+                       const std::vector<double>& helix_deg, const ViewerSettings& settings = {});
 
 }  // namespace heart::validation

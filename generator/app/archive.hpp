@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "generator/app/resolutions.hpp"
 #include "generator/fibers/carry.hpp"
 #include "generator/labels/given_labels.hpp"
 #include "generator/landmarks/landmarks.hpp"
@@ -34,6 +35,7 @@ inline auto members(TetMesh& m) {
   return std::tie(m.nodes_mm, m.cells, m.region, m.faces, m.surface, m.rims, m.node_fibers, m.cell_fibers,
                   m.fiber_source, m.parent_node, m.parent_cell);
 }
+inline auto members(Resolutions& r) { return std::tie(r.meshes, r.farthest_mm); }
 inline auto members(segment::SegmentationSide& s) {
   return std::tie(s.name, s.below, s.above, s.c_below, s.c_above, s.iterations);
 }

@@ -16,6 +16,7 @@
 #include "generator/app/segment_command.hpp"
 #include "generator/app/slice_command.hpp"
 #include "generator/app/study_command.hpp"
+#include "generator/app/transfer_command.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/labels/presets.hpp"
 #include "generator/parallel/threads.hpp"
@@ -42,6 +43,7 @@ struct Program {
   SegmentCommand segment{};
   MeshCommand mesh{};
   ImproveCommand improve{};
+  TransferCommand transfer{};
   PlaceCommand place{};
   SliceCommand slice{};
   PhantomCommand phantom{};
@@ -190,7 +192,7 @@ void add_tools(Program& p) {
   mesh->add_option("labels", p.mesh.labels, "label map with the tags of a bundle's manifest")->required();
   mesh->add_option("output", p.mesh.output, "mesh to write (.vtu)")->required();
   mesh->add_option("--edge", p.mesh.edge_mm, "edge length in the walls of the heart, mm");
-  mesh->add_option("--backend", p.mesh.backend, "lattice or cgal (default: the recipe's)");
+  mesh->add_option("--backend", p.mesh.backend, "lattice, cgal or tetgen (default: the recipe's)");
   mesh->add_flag("--json", p.mesh.json, "print the certificate as JSON");
 
   auto* landmarks = subcommand(p, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT",
@@ -261,6 +263,22 @@ void add_improve(Program& p) {
   sub->add_option("--budget", c.settings.budget, "attempts on bad cells at most (default 10 000 000)");
   sub->add_option("--region", c.region, "cell array with the regions (default: region, gmsh:physical, material ...)");
   sub->add_option("--drop", c.drop, "arrays to leave out, separated by commas")->delimiter(',');
+  sub->add_flag("--json", c.json, "print as JSON");
+}
+
+void add_transfer(Program& p) {
+  auto& c = p.transfer;
+  auto* sub = subcommand(p, "transfer", "Put a bundle's fibres on another mesh of the same heart",
+                         "heartgen transfer bundle mine.vtu mine_with_fibres.vtu",
+                         on_root(p, [&p] { return transfer_command(p.transfer); }));
+  sub->add_option("source", c.source,
+                  "folder of a bundle, or a mesh (.vtu, .vtk) with the vectors fiber and sheet on its points")
+      ->required();
+  sub->add_option("input", c.input, "mesh in mm and in the bundle's frame, .vtu or .vtk; its other arrays stay")
+      ->required();
+  sub->add_option("output", c.output, "mesh to write, .vtu or .vtk")->required();
+  sub->add_option("--reach", c.reach_mm, "how far a node may lie from the source, mm (default 5)");
+  sub->add_flag("--partial", c.partial, "leave nodes and cells farther away without fibres (zero), not refuse them");
   sub->add_flag("--json", c.json, "print as JSON");
 }
 
@@ -382,6 +400,7 @@ int main(int argc, char** argv) {
   add_contours(p);
   add_slice(p);
   add_improve(p);
+  add_transfer(p);
   add_place(p);
   add_accuracy(p);
   add_fiber_accuracy(p);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "generator/app/resolutions.hpp"
 #include "generator/mesh/domain.hpp"
+#include "generator/parallel/tasks.hpp"
 #include "model/labels.hpp"
 #include "validation/label_fidelity.hpp"
 #include "validation/mesh_checks.hpp"
@@ -30,7 +32,7 @@ LabelVolume heart_only(LabelVolume labels) {
 /// Without the heart's other mesh, where there are two.
 LabelVolume only_regions(LabelVolume labels, const std::string& mesh_name) {
   for (auto& voxel : labels.voxels)
-    if ((mesh_name == "myocardium" && !is_myocardium(static_cast<Region>(voxel))) ||
+    if ((mesh_name.starts_with("myocardium") && !is_myocardium(static_cast<Region>(voxel))) ||
         (mesh_name == "chambers" && !is_blood(static_cast<Region>(voxel))))
       voxel = 0;
   return labels;
@@ -43,27 +45,52 @@ bool in_field_of_view(const Grid& grid, const Vec3& index) {
   return true;
 }
 
-}  // namespace
-
-Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
-                      const MeshSettings& mesh_settings, const ValidationSettings& bounds) {
+Report fidelity_rows(const std::string& mesh_name, const TetMesh& mesh, const std::vector<validation::MeshFace>& faces,
+                     const LabelVolume& labels, const MeshSettings& mesh_settings, const ValidationSettings& bounds) {
   const auto domain = mesh::make_domain(labels, mesh_settings);
   const auto label_at = [&domain](const Vec3& lps_mm) -> int {
     const Vec3 index = index_from_lps(domain.grid, lps_mm);
     return in_field_of_view(domain.grid, index) ? mesh::region_at(domain, index) : 0;
   };
-  return validation::check_against_labels(mesh_name, mesh, only_regions(labels, mesh_name), label_at, bounds);
+  return validation::check_against_labels(mesh_name, mesh, faces, only_regions(labels, mesh_name), label_at, bounds);
 }
 
-Report mesh_certificate(const std::map<std::string, TetMesh>& meshes, const LabelVolume& labels,
-                        const MeshSettings& mesh_settings, const ValidationSettings& bounds) {
-  Report report;
-  for (const auto& [name, mesh] : meshes) append(report, validation::check_mesh(name, mesh, bounds));
-  if (labels.voxels.empty()) return report;
-  const LabelVolume& meshed = meshes.contains("torso") ? labels : heart_only(labels);
-  for (const auto& name : whole_meshes(meshes))
-    append(report, check_fidelity(name, meshes.at(name), meshed, mesh_settings, bounds));
-  return report;
+}  // namespace
+
+Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
+                      const MeshSettings& mesh_settings, const ValidationSettings& bounds) {
+  return fidelity_rows(mesh_name, mesh, validation::mesh_faces(mesh), labels, mesh_settings, bounds);
+}
+
+ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const validation::FacesOfMeshes& faces,
+                             const LabelVolume& labels, const MeshSettings& mesh_settings,
+                             const ValidationSettings& bounds) {
+  ReportParts parts;
+  for (const auto& [mesh_name, named] : meshes)
+    parts.emplace_back([&faces, &bounds, name = mesh_name, &mesh = named] {
+      return validation::check_mesh(name, mesh, faces.at(name), bounds);
+    });
+  if (labels.voxels.empty()) return parts;
+  const auto add_fidelity = [&](const std::string& mesh_name, bool whole_map) {
+    parts.emplace_back([&, name = mesh_name, whole_map] {
+      return fidelity_rows(name, meshes.at(name), faces.at(name), whole_map ? labels : heart_only(labels),
+                           mesh_settings, bounds);
+    });
+  };
+  for (const auto& name : whole_meshes(meshes)) add_fidelity(name, meshes.contains("torso"));
+  for (const double edge : mesh_settings.resolutions_mm)
+    if (meshes.contains(resolution_name(edge))) add_fidelity(resolution_name(edge), false);
+  return parts;
+}
+
+Report joined(const ReportParts& parts) {
+  std::vector<Report> reports(parts.size());
+  std::vector<std::function<void()>> tasks;
+  for (std::size_t p = 0; p < parts.size(); ++p) tasks.emplace_back([&, p] { reports[p] = parts[p](); });
+  parallel::run_tasks(tasks);
+  Report all;
+  for (const auto& report : reports) append(all, report);
+  return all;
 }
 
 }  // namespace heart::app

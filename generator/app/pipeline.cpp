@@ -8,6 +8,7 @@
 #include "generator/adapters/itk_io.hpp"
 #include "generator/app/image_stages.hpp"
 #include "generator/app/mesh_certificate.hpp"
+#include "generator/app/resolutions.hpp"
 #include "generator/app/run.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/atlas/atlas.hpp"
@@ -43,6 +44,7 @@ void check_recipe(const Recipe& recipe, const BuildOptions& options) {
                       fmt::format("known meshes: {}", fmt::join(mesh_names, ", ")));
   if (!wants(recipe, "myocardium"))
     throw UserError("\"myocardium\" is missing: every bundle has it", "mesh.meshes", "add it to the list");
+  check_resolutions(recipe.mesh);
   const auto require = [](const char* section) {
     return [section](const char* key, const std::string& path, const char*) {
       if (!path.empty() && !fs::exists(path))
@@ -103,12 +105,17 @@ atlas::FiberAtlas read_atlas(const Recipe& recipe) {
   return atlas::make_fiber_atlas("stand-in atlas", standin.nodes_mm, standin.cells, standin.node_fibers.fiber);
 }
 
-Meshes with_fibers(Meshes meshes, const fibers::FiberResult& result) {
-  TetMesh& myocardium = meshes.at("myocardium");
+TetMesh with_fibers(TetMesh myocardium, const fibers::FiberResult& result) {
   myocardium.node_fibers = result.node;
   myocardium.cell_fibers = result.cell;
   myocardium.fiber_source = result.source;
-  return meshes;
+  return myocardium;
+}
+
+/// Of the meshes of the map, whatever is made beside them.
+std::string mesh_section(Recipe recipe) {
+  recipe.mesh.resolutions_mm.clear();
+  return recipe_section(recipe, "mesh");
 }
 
 std::vector<std::string> all_remarks(const Recipe& recipe, std::vector<std::string> lines, const Meshes& meshes,
@@ -127,19 +134,20 @@ std::vector<Region> needed_regions() {
 }
 
 Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, const Meshes& meshes,
-                   const fibers::FiberResult& fibers) {
-  Report report = validation::check_labels(labels, needed_regions());
-  const Report mesh_rows = mesh_certificate(meshes, labels, recipe.mesh, recipe.validation);
-  report.insert(report.end(), mesh_rows.begin(), mesh_rows.end());
-  const Report fiber_rows = validation::check_fibers(
-      meshes.at("myocardium"),
-      {fibers.min_jacobian, fibers.affine_rms_mm, fibers.atlas_overlap, fibers.second_mean_deg, fibers.second_p95_deg},
-      recipe.validation);
-  report.insert(report.end(), fiber_rows.begin(), fiber_rows.end());
-  if (ct.voxels.empty()) return report;
-  const Report fit_rows = validation::check_contour_fit(meshes.at("myocardium"), ct);
-  report.insert(report.end(), fit_rows.begin(), fit_rows.end());
-  return report;
+                   const validation::FacesOfMeshes& faces, const fibers::FiberResult& fibers) {
+  ReportParts parts = {[&] { return validation::check_labels(labels, needed_regions()); }};
+  for (auto& part : mesh_certificate(meshes, faces, labels, recipe.mesh, recipe.validation))
+    parts.push_back(std::move(part));
+  parts.emplace_back([&] {
+    return validation::check_fibers(meshes.at("myocardium"),
+                                    {fibers.min_jacobian, fibers.affine_rms_mm, fibers.atlas_overlap,
+                                     fibers.second_mean_deg, fibers.second_p95_deg},
+                                    recipe.validation);
+  });
+  parts.emplace_back([&] { return check_resolution_fibers(meshes, recipe.mesh, recipe.validation); });
+  if (!ct.voxels.empty())
+    parts.emplace_back([&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); });
+  return joined(parts);
 }
 
 std::vector<exporters::BundleInput> hash_inputs(const Recipe& recipe) {
@@ -195,8 +203,8 @@ std::string describe_atlas(const Recipe& recipe) {
 }
 
 exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, Meshes meshes,
-                              const fibers::FiberResult& fibers, std::vector<exporters::BundleInput> inputs,
-                              std::vector<std::string> remarks) {
+                              const fibers::FiberResult& fibers, const Resolutions& further,
+                              std::vector<exporters::BundleInput> inputs, std::vector<std::string> remarks) {
   exporters::Bundle bundle;
   bundle.name = recipe.name;
   bundle.version = recipe.version;
@@ -209,9 +217,16 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   bundle.inputs = std::move(inputs);
   bundle.tools = tool_versions();
   const auto lines = all_remarks(recipe, std::move(remarks), meshes, fibers);
-  bundle.meshes = with_fibers(std::move(meshes), fibers);
-  bundle.metrics = all_metrics(recipe, ct, labels, bundle.meshes, fibers);
-  bundle.report_html = validation::make_report(report_input(recipe, bundle, ct, lines));
+  bundle.meshes = std::move(meshes);
+  bundle.meshes["myocardium"] = with_fibers(std::move(bundle.meshes["myocardium"]), fibers);
+  bundle.meshes.insert(further.meshes.begin(), further.meshes.end());
+  const auto faces = validation::faces_of_meshes(bundle.meshes);
+  bundle.metrics = all_metrics(recipe, ct, labels, bundle.meshes, faces, fibers);
+  const Report distances = resolution_distances(further);
+  bundle.metrics.insert(bundle.metrics.end(), distances.begin(), distances.end());
+  auto input = report_input(recipe, bundle, ct, lines);
+  input.faces = &faces;
+  bundle.report_html = validation::make_report(input);
   return bundle;
 }
 
@@ -232,8 +247,10 @@ std::vector<StagePlan> stage_plan(const Recipe& recipe, const labels::MissingGro
   add(parts, "chambers", 8);
   add(parts, "epicardium", 10);
   add(parts, "body", 5);
-  for (const StagePlan& stage : std::vector<StagePlan>{{"labels", 3}, {"mesh", 25}, {"fibers", 20}, {"bundle", 8}})
+  for (const StagePlan& stage : std::vector<StagePlan>{{"labels", 3}, {"mesh", 25}, {"fibers", 20}})
     plan.push_back(stage);
+  add(!recipe.mesh.resolutions_mm.empty(), "resolutions", 20);
+  add(true, "bundle", 8);
   return plan;
 }
 
@@ -337,9 +354,10 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   const auto labels = label_ct(run, ct, recipe, known);
   parallel::run_on_root(comm, [&] {
     refuse_empty_regions(*labels, recipe);
+    check_memory(*labels, recipe.mesh, machine_memory_bytes());
     settle_replacements(run, recipe.replace, inputs, remarks);
   });
-  const auto meshes = run.root_stage("mesh", {labels.key, hash_of(inputs, "carotid"), recipe_section(recipe, "mesh")},
+  const auto meshes = run.root_stage("mesh", {labels.key, hash_of(inputs, "carotid"), mesh_section(recipe)},
                                      [&] { return make_meshes(recipe, *labels); });
   const auto fibers = run.root_stage(
       "fibers",
@@ -348,10 +366,15 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
         return fibers::carry_fibers(meshes->at("myocardium"), *labels, recipe.landmarks, read_atlas(recipe),
                                     recipe.fibers);
       });
+  Staged<Resolutions> further;
+  if (!recipe.mesh.resolutions_mm.empty())
+    further = run.root_stage("resolutions", {labels.key, fibers.key, recipe_section(recipe, "mesh")}, [&] {
+      return make_resolutions(*labels, recipe.mesh, with_fibers(meshes->at("myocardium"), *fibers));
+    });
   BuildResult result;
   run.cache_folder.clear();  // the bundle itself is on disk: no second copy
   const auto content_id = run.root_stage("bundle", {}, [&] {
-    auto bundle = make_bundle(recipe, *ct, *labels, *meshes, *fibers, inputs, remarks);
+    auto bundle = make_bundle(recipe, *ct, *labels, *meshes, *fibers, *further, inputs, remarks);
     bundle.logs["build.log"] = time_log(run);
     result.metrics = bundle.metrics;
     return exporters::write_bundle(bundle, options.output,
@@ -365,13 +388,12 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
 
 Report certificate(const Meshes& meshes, const LabelVolume& labels, const MeshSettings& mesh_settings,
                    const ValidationSettings& settings) {
-  Report report = mesh_certificate(meshes, labels, mesh_settings, settings);
-  const auto myocardium = meshes.find("myocardium");
-  if (myocardium != meshes.end()) {
-    const Report rows = validation::check_fibers(myocardium->second, {}, settings);
-    report.insert(report.end(), rows.begin(), rows.end());
-  }
-  return report;
+  const auto faces = validation::faces_of_meshes(meshes);
+  ReportParts parts = mesh_certificate(meshes, faces, labels, mesh_settings, settings);
+  if (meshes.contains("myocardium"))
+    parts.emplace_back([&] { return validation::check_fibers(meshes.at("myocardium"), {}, settings); });
+  parts.emplace_back([&] { return check_resolution_fibers(meshes, mesh_settings, settings); });
+  return joined(parts);
 }
 
 }  // namespace heart::app

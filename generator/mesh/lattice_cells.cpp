@@ -103,10 +103,8 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
   return result;
 }
 
-adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
-                                      std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
-                                      LatticeReport* report) {
-  const auto materials = materials_of(domain, sizes_mm);
+lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
+                                 std::int64_t crumb_cells, LatticeReport* report) {
   Stopwatch watch{report};
   Attempt best;
   for (const double reach : reaches) {
@@ -115,7 +113,14 @@ adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<flo
     if (best.worst >= enough) break;
   }
   if (report != nullptr) report->cells_below_goal = best.below_goal;
-  return collect(best.complex, domain.grid);
+  return std::move(best.complex);
+}
+
+adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
+                                      std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
+                                      LatticeReport* report) {
+  const auto materials = materials_of(domain, sizes_mm);
+  return collect(lattice_complex(materials, manifold_sets, crumb_cells, report), domain.grid);
 }
 
 }  // namespace heart::mesh

@@ -26,8 +26,13 @@ void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, 
 /// The cells of a complex whose nodes are in mm along the axes of the grid.
 adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& grid);
 
-/// Tries again with other settings where the worst cell is too bad, and keeps the best.
-/// Cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat. `manifold_sets` as in settle_labels.
+/// Tries again with other settings where the worst cell is too bad, and keeps the best. `manifold_sets` as in
+/// settle_labels.
+lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
+                                 std::int64_t crumb_cells, LatticeReport* report = nullptr);
+
+/// lattice_complex of a label map.
+/// Cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat.
 adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
                                       std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
                                       LatticeReport* report = nullptr);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "generator/mesh/settle_labels.hpp"
 #include "generator/mesh/size_field.hpp"
 #include "generator/mesh/surfaces.hpp"
+#include "generator/mesh/tetgen_cells.hpp"
 #include "model/error.hpp"
 
 namespace heart::mesh {
@@ -26,6 +28,8 @@ namespace {
 constexpr double layer_edges = 1.0;       // thickness of the layer around the image, in the coarsest edges
 constexpr std::int64_t crumb_cells = 30;  // pieces of a region of so few cells go to their neighbour
 constexpr double seed_distance = 0.4;     // distance between first points, in local edges
+
+constexpr std::array<std::string_view, 3> backends{"lattice", "cgal", "tetgen"};
 
 constexpr std::array orifices{"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"};
 
@@ -36,8 +40,9 @@ void check_settings(const MeshSettings& s) {
                                     {"growth", s.growth}})
     if (!(value > 0) || !std::isfinite(value))
       throw UserError(fmt::format("{} is {}", name, value), "recipe, [mesh]", "it must be a positive number");
-  if (s.backend != "lattice" && s.backend != "cgal")
-    throw UserError(fmt::format("unknown backend \"{}\"", s.backend), "recipe, [mesh]", "use \"lattice\" or \"cgal\"");
+  if (std::find(backends.begin(), backends.end(), s.backend) == backends.end())
+    throw UserError(fmt::format("unknown backend \"{}\"", s.backend), "recipe, [mesh]",
+                    fmt::format("use \"{}\"", fmt::join(backends, "\", \"")));
   if (!(s.smoothing_mm >= 0) || !std::isfinite(s.smoothing_mm))
     throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]", "it must not be negative");
 }
@@ -195,10 +200,11 @@ LabelVolume heart_only(const LabelVolume& labels) {
 TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report) {
   check_settings(settings);
   const auto domain = make_domain(labels, settings);
-  const bool on_lattice = settings.backend == "lattice";
-  const auto sizes = size_field(domain, settings, on_lattice ? ThinParts::resolved : ThinParts::ignored);
-  auto cells =
-      on_lattice ? lattice_cells(domain, sizes, manifold_sets(), crumb_cells, report) : delaunay_cells(domain, sizes);
+  const bool is_delaunay = settings.backend == "cgal";
+  const auto sizes = size_field(domain, settings, is_delaunay ? ThinParts::ignored : ThinParts::resolved);
+  auto cells = is_delaunay                    ? delaunay_cells(domain, sizes)
+               : settings.backend == "tetgen" ? tetgen_cells(domain, sizes, manifold_sets(), crumb_cells, report)
+                                              : lattice_cells(domain, sizes, manifold_sets(), crumb_cells, report);
   sort_cells(cells.nodes_mm, cells.cells, cells.label);
   auto mesh = assemble(
       cells.nodes_mm, cells.cells, cells.label, [](std::int32_t label) { return label > 0 && label < beyond_border; },

@@ -87,6 +87,15 @@ TEST_F(BadInput, UnknownMesh) {
   expect_message("build --quiet recipe.toml --output out", {"heart", "chambers"});
 }
 
+TEST_F(BadInput, ResolutionsOutOfRangeOrTwice) {
+  for (const char* list : {"[2, 0.3]", "[3.5]", "[nan]", "[2, 2.0]"}) {
+    write_recipe(std::string("[landmarks.seeds_mm]\nlv_blood = [0, 0, 0]\n[mesh]\nresolutions_mm = ") + list + "\n");
+    expect_message("build --quiet recipe.toml --output out", {"mesh.resolutions_mm"});
+  }
+  write_recipe("[mesh]\nresolutions_mm = 2\n");
+  expect_message("build --quiet recipe.toml --output out", {"mesh.resolutions_mm", "list of numbers"});
+}
+
 TEST_F(BadInput, UnknownSubcommandAndOption) {
   message_of("biuld recipe.toml");
   message_of("build --quiet recipe.toml --outptu out");

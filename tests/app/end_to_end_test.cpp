@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -150,6 +151,32 @@ class StagesByHand : public EndToEnd {
     EXPECT_EQ(run.exit_code, 0) << run.errors;
     return run.errors;
   }
+  static void write_far_cell(const std::string& path) {
+    std::ofstream(path) << "# vtk DataFile Version 3.0\nfar\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n"
+                           "900 0 0 901 0 0 900 1 0 900 0 1\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n";
+  }
+  /// heartgen transfer on what stands in by_hand.
+  static void expect_fibres_on_a_mesh_from_elsewhere() {
+    const std::string walls = "by_hand/meshes/myocardium.vtu ";
+    const auto run = testing::heartgen("transfer by_hand " + walls + "mine.vtu --json", folder());
+    ASSERT_EQ(run.exit_code, 0) << run.errors;
+    const Json result = Json::parse(run.output);
+    EXPECT_EQ(result["nodes"], manifest("by_hand")["meshes"]["myocardium"]["nodes"]);
+    EXPECT_EQ(result["nodes_beyond_reach"], 0);
+    EXPECT_EQ(testing::heartgen("transfer mine.vtu " + walls + "back.vtk", folder()).exit_code, 0);
+    const auto refusal = [&](const std::string& arguments) {
+      const auto refused = testing::heartgen("transfer " + arguments, folder());
+      EXPECT_EQ(refused.exit_code, 2) << arguments;
+      return refused.errors;
+    };
+    EXPECT_NE(refusal("by_hand " + walls + "none.stl").find("none.stl"), std::string::npos);
+    EXPECT_NE(refusal("by_hand " + walls + "none.vtu --reach 0").find("--reach"), std::string::npos);
+    EXPECT_NE(refusal("bare.vtk " + walls + "none.vtu").find("bare.vtk"), std::string::npos);
+    write_far_cell(folder() + "/far.vtk");
+    EXPECT_NE(refusal("by_hand far.vtk none.vtu").find("4 of 4 nodes"), std::string::npos);
+    EXPECT_NE(refusal("far.vtk mine.vtu none.vtu").find("\"fiber\""), std::string::npos);
+    EXPECT_FALSE(fs::exists(folder() + "/none.vtu"));
+  }
   static LabelVolume labels(const std::string& path) { return adapters::read_labels(folder() + "/" + path); }
   static double dice(const LabelVolume& a, const LabelVolume& b, Region region) {
     std::int64_t both = 0, sum = 0;
@@ -209,6 +236,35 @@ TEST_F(StagesByHand, LabelsWithoutACt) {
   std::ofstream(folder() + "/no_ct.toml") << quick;
   build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");
   EXPECT_EQ(labels("by_hand/images/labels.nii.gz").voxels, labels("phantom/truth/labels.nii.gz").voxels);
+}
+
+TEST_F(StagesByHand, AFurtherResolutionHasTheRegionsSurfacesAndFibresOfTheMainMesh) {
+  const std::string name = "myocardium_2.8mm";
+  std::string recipe = quick;
+  recipe.insert(recipe.find("heart_edge_mm"), "resolutions_mm = [2.8]\n");
+  std::ofstream(folder() + "/further.toml")
+      << "[input]\nct = \"phantom/ct.nii.gz\"\nlandmarks = \"phantom/landmarks.json\"\n"
+      << recipe;
+  build("further.toml");
+  const std::string first = content_id("by_hand");
+  EXPECT_NE(build("further.toml --threads 1").find("from the cache"), std::string::npos);
+  EXPECT_EQ(content_id("by_hand"), first);
+
+  const Json meshes = manifest("by_hand")["meshes"];
+  ASSERT_TRUE(meshes.contains(name));
+  const Json &main = meshes["myocardium"], &further = meshes[name];
+  EXPECT_GT(further["cells"].get<int>(), main["cells"].get<int>());
+  for (const char* tags : {"regions", "surfaces"})
+    for (const auto& [tag, count] : main[tags].items()) EXPECT_TRUE(further[tags].contains(tag)) << tag;
+  rows() = Json::parse(testing::heartgen("validate by_hand --json", folder()).output)["rows"];
+  for (const char* metric : {"missing_nodes", "missing_cells", "nodes_without_source"})
+    EXPECT_EQ(value("fibers", name, metric), 0) << metric;
+  EXPECT_LE(value("fibers", name, "orthonormality_error_cells"), 1e-6);
+  EXPECT_GT(value("mesh", name, "dihedral_min"), 5);
+  EXPECT_LE(std::abs(value("mesh", name + "/lv_myocardium", "volume_difference")), 5);
+  EXPECT_EQ(testing::heartgen("export by_hand --to vtk,opencarp --output exported --mesh " + name, folder()).exit_code,
+            0);
+  expect_fibres_on_a_mesh_from_elsewhere();
 }
 
 TEST_F(StagesByHand, TheTreeAloneOnASlice) {

@@ -54,7 +54,7 @@ void fill(LabelVolume& labels, const Index3& low, const Index3& high, std::uint8
 
 validation::RegionTopology topology_of_mesh(const LabelVolume& labels, std::uint8_t region) {
   const auto mesh = mesh_of(labels);
-  return validation::region_topology(mesh, validation::mesh_faces(mesh), region);
+  return validation::region_topologies(mesh, validation::mesh_faces(mesh))[region];
 }
 
 void expect_topology(const LabelVolume& labels, std::uint8_t region, std::size_t pieces, int handles, int cavities) {
@@ -105,10 +105,10 @@ TEST(RegionTopology, RandomMapsAgreeWithTheirMeshes) {
       voxel = (state >> 24) < share ? 1 : 2;
     }
     const auto mesh = mesh_of(labels);
-    const auto faces = validation::mesh_faces(mesh);
+    auto of_regions = validation::region_topologies(mesh, validation::mesh_faces(mesh));
     for (const std::uint8_t region : {std::uint8_t{1}, std::uint8_t{2}}) {
       const auto of_voxels = validation::region_topology(labels, region);
-      const auto of_mesh = validation::region_topology(mesh, faces, region);
+      const auto& of_mesh = of_regions[region];
       ASSERT_EQ(of_mesh.components_ml.size(), of_voxels.components_ml.size());
       for (std::size_t i = 0; i < of_mesh.components_ml.size(); ++i)
         EXPECT_NEAR(of_mesh.components_ml[i], of_voxels.components_ml[i], 1e-12);
@@ -188,7 +188,8 @@ struct Cubes : ::testing::Test {
     ValidationSettings settings;
     settings.maximum_handles_added = 0;
     return validation::check_against_labels(
-        "mesh", mesh, labels, [this](const Vec3& p) { return label_of(labels, p); }, settings);
+        "mesh", mesh, validation::mesh_faces(mesh), labels, [this](const Vec3& p) { return label_of(labels, p); },
+        settings);
   }
 };
 
@@ -243,6 +244,15 @@ TEST_F(Cubes, AHandleAndAPieceTooManyFail) {
   const auto in_two = check(mesh_of(cut));
   EXPECT_EQ(row(in_two, "mesh/lv_blood", "pieces_of_labels").value, 1);
   EXPECT_FALSE(row(in_two, "mesh/lv_myocardium", "pieces_added").passed());
+}
+
+TEST_F(Cubes, StrandsThinnerThanAnEdgeAreNotMeasured) {
+  const auto mesh = mesh_of(labels);
+  fill(labels, {4, 4, 3}, {5, 5, 6}, 1);  // one voxel wide, three long, into the cavity
+  EXPECT_LT(row(check(mesh), "mesh/lv_blood", "from_labels_max_in_edges").value, 1);
+  fill(labels, {3, 3, 3}, {7, 7, 7}, 6);
+  fill(labels, {3, 3, 3}, {5, 5, 5}, 1);  // a block two wide, and two voxels of blood beside it
+  EXPECT_GT(row(check(mesh), "mesh/lv_blood", "from_labels_max_in_edges").value, 1);
 }
 
 TEST_F(Cubes, CrumbsOfTheLabelMapAreCountedNotMeasured) {

@@ -118,7 +118,7 @@ TEST(SlicePicture, RefusesASliceOutside) {
 
 TEST(BoundaryFaces, CloseEveryRegionAndPointOut) {
   const TetMesh mesh = heart::testing::two_region_mesh(3);
-  const auto boundary = boundary_faces(mesh, std::vector<std::uint8_t>(mesh.cells.size(), 1), true);
+  const auto boundary = boundary_faces(mesh, mesh_faces(mesh), std::vector<std::uint8_t>(mesh.cells.size(), 1), true);
   std::array<double, 2> volume{};  // by the divergence theorem
   for (std::size_t f = 0; f < boundary.faces.size(); ++f) {
     const auto at = [&](std::size_t k) { return mesh.nodes_mm[static_cast<std::size_t>(boundary.faces[f][k])]; };

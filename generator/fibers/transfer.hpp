@@ -1,0 +1,27 @@
+// Fibres from one mesh of a heart to another mesh of the same heart, in the same frame: finer, coarser, or anybody's.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "model/tet_mesh.hpp"
+
+namespace heart::fibers {
+
+struct TransferredFibers {
+  FiberField node, cell;
+  std::vector<std::uint8_t> source;  ///< FiberSource per node; empty where the given mesh has none
+  double farthest_mm = 0;            ///< of a node from the given mesh; 0: all lie inside it
+  std::int64_t beyond_nodes = 0;     ///< farther away than the reach: without axes (zero), of source none
+};
+
+/// Axes at the nodes and at the middles of the cells of another mesh. Those of the four corners of the cell of `from`
+/// that holds the place, or of the cell behind the nearest place of its boundary, are added as dyads with barycentric
+/// weights, so that their signs do not matter; frames are orthonormal again (frame.hpp), sheet_normal = fiber × sheet.
+/// The source is that of the corner with the largest weight. Of an axis that varies smoothly the error falls with the
+/// square of the edge length of `from`. Places farther than reach_mm (> 0) from `from` get no axes.
+/// Throws UserError when `from` lacks cells, fibres or sheets on nodes. Threads; the same bits for any number of them.
+/// Not collective.
+TransferredFibers transfer_fibers(const TetMesh& from, const std::vector<Vec3>& nodes_mm,
+                                  const std::vector<Cell>& cells, double reach_mm);
+
+}  // namespace heart::fibers

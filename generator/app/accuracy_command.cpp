@@ -311,28 +311,37 @@ void print_summary(const std::vector<Case>& cases) {
   fmt::print("{} of {} phantoms within every bound\n", good, cases.size());
 }
 
-}  // namespace
-
-int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm) {
-  const auto variants = variant_list(command.variants);
-  if (command.of != "chambers") return accuracy_of_part(command, variants, comm);
-  if (command.resume && command.keep.empty())
-    throw UserError("there is nothing to resume", "accuracy --resume", "name the earlier run's folder with --keep");
+/// Every variant at every noise.
+std::vector<datasets::PhantomSettings> phantoms_of(const AccuracyCommand& command) {
+  std::vector<datasets::PhantomSettings> phantoms;
   datasets::PhantomSettings settings;
   settings.size = command.size;
   settings.spacing_mm = command.spacing_mm;
   settings.companions = false;
   settings.fibers = false;
+  for (const double noise : command.noise_hu)
+    for (const int variant : variant_list(command.variants)) {
+      settings.variant = variant;
+      settings.noise_hu = noise;
+      phantoms.push_back(settings);
+    }
+  return phantoms;
+}
+
+}  // namespace
+
+int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm) {
+  const auto phantoms = phantoms_of(command);
+  if (command.of != "chambers") return accuracy_of_part(command, phantoms, comm);
+  if (command.resume && command.keep.empty())
+    throw UserError("there is nothing to resume", "accuracy --resume", "name the earlier run's folder with --keep");
   const bool table = comm.is_root() && !command.json;
   if (table) print_heading();
   std::vector<Case> cases;
-  for (const double noise : command.noise_hu)
-    for (const int variant : variants) {
-      settings.variant = variant;
-      settings.noise_hu = noise;
-      cases.push_back(measured_or_kept(command, settings, comm));
-      if (table) print_row(cases.back());
-    }
+  for (const auto& settings : phantoms) {
+    cases.push_back(measured_or_kept(command, settings, comm));
+    if (table) print_row(cases.back());
+  }
   if (table) print_summary(cases);
   if (comm.is_root() && command.json) {
     Json rows = Json::array();

@@ -191,24 +191,17 @@ Json as_json(const std::string& part, const PartCase& c) {
 
 }  // namespace
 
-int accuracy_of_part(const AccuracyCommand& command, const std::vector<int>& variants, const parallel::Comm& comm) {
+int accuracy_of_part(const AccuracyCommand& command, const std::vector<datasets::PhantomSettings>& phantoms,
+                     const parallel::Comm& comm) {
   if (command.of != "walls" && command.of != "carotid" && command.of != "trachea")
     throw UserError(fmt::format("\"{}\" is no part that can be measured", command.of), "--of",
                     "choose chambers, walls, carotid or trachea");
-  datasets::PhantomSettings settings;
-  settings.size = command.size;
-  settings.spacing_mm = command.spacing_mm;
-  settings.companions = false;
-  settings.fibers = false;
   const bool table = comm.is_root() && !command.json;
   std::vector<PartCase> cases;
-  for (const double noise : command.noise_hu)
-    for (const int variant : variants) {
-      settings.variant = variant;
-      settings.noise_hu = noise;
-      cases.push_back(measure(command.of, settings, comm));
-      if (table) print_case(cases.back());
-    }
+  for (const auto& settings : phantoms) {
+    cases.push_back(measure(command.of, settings, comm));
+    if (table) print_case(cases.back());
+  }
   if (table) print_means(cases);
   if (comm.is_root() && command.json) {
     Json rows = Json::array();

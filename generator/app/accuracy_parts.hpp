@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "datasets/phantom/phantom.hpp"
 #include "generator/app/accuracy_command.hpp"
 
 namespace heart::app {
@@ -12,6 +13,7 @@ namespace heart::app {
 /// - "carotid": the lumen in the phantom's own angiogram (0.5 mm voxels), by the default edge step and by snakes;
 /// - "trachea": trachea and main bronchi, found without a seed.
 /// Exit code 3 where a phantom is refused. Throws UserError for another part. @collective
-int accuracy_of_part(const AccuracyCommand& command, const std::vector<int>& variants, const parallel::Comm& comm);
+int accuracy_of_part(const AccuracyCommand& command, const std::vector<datasets::PhantomSettings>& phantoms,
+                     const parallel::Comm& comm);
 
 }  // namespace heart::app

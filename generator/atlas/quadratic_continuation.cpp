@@ -2,7 +2,8 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <nanoflann.hpp>
+
+#include "generator/atlas/point_tree.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -12,24 +13,14 @@ constexpr double scale_mm = 10;  // of the fit's coordinates, so that damping ha
 constexpr double slope_damping = 1e-6, curvature_damping = 0.02;
 constexpr std::size_t least_samples = 20;
 
-struct Cloud {
-  DistanceSamples samples;
-  std::size_t kdtree_get_point_count() const { return samples.points_mm.size(); }
-  double kdtree_get_pt(std::size_t n, std::size_t axis) const { return samples.points_mm[n][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, std::size_t>;
-
 }  // namespace
 
 struct QuadraticContinuation::Index {
-  Cloud cloud;
-  Tree tree;
+  PointCloud cloud;
+  std::vector<std::array<double, 2>> values;
+  PointTree tree;
   explicit Index(DistanceSamples samples)
-      : cloud{std::move(samples)}, tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
+      : cloud{std::move(samples.points_mm)}, values(std::move(samples.values)), tree(3, cloud, tree_leaves) {}
 };
 
 QuadraticContinuation::QuadraticContinuation(DistanceSamples samples)
@@ -38,21 +29,20 @@ QuadraticContinuation::~QuadraticContinuation() = default;
 
 std::optional<QuadraticFit> QuadraticContinuation::operator()(const Vec3& point_mm) const {
   using Row = Eigen::Matrix<double, 10, 1>;
-  if (index_->cloud.kdtree_get_point_count() < least_samples) return std::nullopt;
+  if (index_->cloud.points.size() < least_samples) return std::nullopt;
   std::vector<std::pair<std::size_t, double>> near;
   const std::array<double, 3> at{point_mm.x, point_mm.y, point_mm.z};
   index_->tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, true));
   if (near.size() < least_samples) return std::nullopt;
   Eigen::Matrix<double, 10, 10> normal = Eigen::Matrix<double, 10, 10>::Zero();
   Eigen::Matrix<double, 10, 2> right = Eigen::Matrix<double, 10, 2>::Zero();
-  const auto& samples = index_->cloud.samples;
   for (const auto& [n, squared] : near) {
-    const Vec3 d = (samples.points_mm[n] - point_mm) / scale_mm;
+    const Vec3 d = (index_->cloud.points[n] - point_mm) / scale_mm;
     Row row;
     row << 1, d.x, d.y, d.z, d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z;
     const double weight = std::exp(-0.5 * (squared - near.front().second) / (width_mm * width_mm));
     normal.noalias() += weight * row * row.transpose();
-    for (int c = 0; c < 2; ++c) right.col(c) += weight * samples.values[n][static_cast<std::size_t>(c)] * row;
+    for (int c = 0; c < 2; ++c) right.col(c) += weight * index_->values[n][static_cast<std::size_t>(c)] * row;
   }
   for (int c = 1; c < 10; ++c) normal(c, c) += (c < 4 ? slope_damping : curvature_damping) * normal(0, 0);
   const Eigen::Matrix<double, 10, 2> fit = normal.ldlt().solve(right);

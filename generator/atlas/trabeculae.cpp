@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <nanoflann.hpp>
 
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/point_tree.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
 
@@ -28,17 +28,9 @@ Mask trabeculated(const Volume<std::uint8_t>& parts) {
 
 /// Points of the endocardium (centres of cavity voxels that touch the wall) with the wall's thickness there.
 struct Endocardium {
-  std::vector<Vec3> points;
+  PointCloud cloud;
   std::vector<float> thickness_mm;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t n, std::size_t axis) const { return points[n][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
 };
-using Tree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Endocardium>, Endocardium, 3, std::size_t>;
 
 Volume<float> distance_to_outer_surface(const Volume<std::uint8_t>& parts, Part wall) {
   if (wall == Part::rv_wall) return distance_to(mask_where(parts, [](auto v) { return is(v, Part::outside); }));
@@ -62,21 +54,21 @@ Endocardium endocardium_of(const Volume<std::uint8_t>& parts, Part wall, const V
         if (!is_wall_at(i - 1, j, k) && !is_wall_at(i + 1, j, k) && !is_wall_at(i, j - 1, k) &&
             !is_wall_at(i, j + 1, k) && !is_wall_at(i, j, k - 1) && !is_wall_at(i, j, k + 1))
           continue;
-        surface.points.push_back(voxel_center(g, g.offset(i, j, k)));
+        surface.cloud.points.push_back(voxel_center(g, g.offset(i, j, k)));
         surface.thickness_mm.push_back(to_outside(i, j, k) + std::min(to_cavity(i, j, k), 0.0F));
       }
   return surface;
 }
 
 /// Per point the quantile of `values` over the points within reach.
-std::vector<float> local_quantile(const Endocardium& surface, const Tree& tree, const std::vector<float>& values,
+std::vector<float> local_quantile(const PointCloud& cloud, const PointTree& tree, const std::vector<float>& values,
                                   double quantile) {
   std::vector<float> result(values.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(values.size()), [&](std::int64_t begin, std::int64_t end) {
     std::vector<std::pair<std::size_t, double>> near;
     std::vector<float> around;
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
-      const std::array<double, 3> at{surface.points[n].x, surface.points[n].y, surface.points[n].z};
+      const std::array<double, 3> at{cloud.points[n].x, cloud.points[n].y, cloud.points[n].z};
       tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
       around.clear();
       for (const auto& [point, squared] : near) around.push_back(values[point]);
@@ -95,10 +87,10 @@ void give_trabeculae_to_cavity(Volume<std::uint8_t>& parts, Part wall) {
   const auto to_outside = distance_to_outer_surface(parts, wall);
   const Mask where = trabeculated(parts);
   const Endocardium surface = endocardium_of(parts, wall, to_outside, where);
-  if (surface.points.empty()) return;
-  const Tree tree(3, surface, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-  const auto opened =
-      local_quantile(surface, tree, local_quantile(surface, tree, surface.thickness_mm, low_quantile), high_quantile);
+  if (surface.cloud.points.empty()) return;
+  const PointTree tree(3, surface.cloud, tree_leaves);
+  const auto opened = local_quantile(
+      surface.cloud, tree, local_quantile(surface.cloud, tree, surface.thickness_mm, low_quantile), high_quantile);
   parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
       auto& part = parts.voxels[static_cast<std::size_t>(v)];

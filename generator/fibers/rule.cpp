@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cmath>
-#include <nanoflann.hpp>
 
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/point_tree.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
@@ -14,18 +14,7 @@ namespace heart::fibers {
 namespace {
 
 using atlas::AxisTensor;
-
-struct PointCloud {
-  std::vector<Vec3> points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t n, std::size_t axis) const { return points[n][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using Tree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3, std::size_t>;
+using atlas::PointCloud;
 
 Vec3 orthogonal_part(const Vec3& v, const Vec3& unit) { return v - dot(v, unit) * unit; }
 
@@ -46,7 +35,8 @@ PointCloud papillary_cells(const TetMesh& mesh) {
   return cloud;
 }
 
-RuleAxis local_muscle_axis(const PointCloud& cloud, const Tree& tree, const Vec3& at, const Vec3& long_axis) {
+RuleAxis local_muscle_axis(const PointCloud& cloud, const atlas::PointTree& tree, const Vec3& at,
+                           const Vec3& long_axis) {
   constexpr double reach_mm = 6, long_axis_share = 0.05;
   std::vector<std::pair<std::size_t, double>> near;
   const std::array<double, 3> query{at.x, at.y, at.z};
@@ -117,7 +107,7 @@ std::vector<RuleAxis> papillary_axes(const TetMesh& mesh, const std::vector<std:
   const PointCloud cloud = papillary_cells(mesh);
   std::vector<RuleAxis> result(nodes.size());
   if (nodes.empty()) return result;
-  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const atlas::PointTree tree(3, cloud, atlas::tree_leaves);
   parallel::parallel_for(0, static_cast<std::int64_t>(nodes.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
       result[n] = local_muscle_axis(cloud, tree, mesh.nodes_mm[static_cast<std::size_t>(nodes[n])], long_axis);

@@ -42,13 +42,13 @@ lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& s
   return materials;
 }
 
+namespace {
+
 void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
   std::vector<std::int32_t> label(complex.label.begin(), complex.label.end());
   settle_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
   for (std::size_t c = 0; c < label.size(); ++c) complex.label[c] = static_cast<std::uint8_t>(label[c]);
 }
-
-namespace {
 
 /// Adds the wall time of each step to a report.
 struct Stopwatch {

@@ -20,9 +20,6 @@ struct LatticeReport {
 /// The domain as materials, in mm along the axes of its grid. Both must outlive the result.
 lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes_mm);
 
-/// settle_labels for the cells of a complex.
-void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells);
-
 /// The cells of a complex whose nodes are in mm along the axes of the grid.
 adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& grid);
 
@@ -31,8 +28,7 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
 lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report = nullptr);
 
-/// lattice_complex of a label map.
-/// Cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat.
+/// lattice_complex of a label map: cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat.
 adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
                                       std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
                                       LatticeReport* report = nullptr);

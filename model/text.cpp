@@ -27,12 +27,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// A name that holds the other ("edge_mm", "heart_edge_mm") was meant more likely than one with as few letters.
+std::size_t distance_between_names(std::string_view a, std::string_view b) {
+  const bool inside = a.find(b) != a.npos || b.find(a) != b.npos;
+  return inside ? 1 : edit_distance(a, b);
+}
+
 }  // namespace
 
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
   if (candidates.empty()) return "";
   return *std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(word, a) < edit_distance(word, b);
+    return distance_between_names(word, a) < distance_between_names(word, b);
   });
 }
 

@@ -14,6 +14,8 @@
 #include <itkVectorImage.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -141,9 +143,9 @@ void check_spacing(const Grid& grid, const std::string& path) {
   const double least = std::min({s.x, s.y, s.z}), most = std::max({s.x, s.y, s.z});
   if (!(least > 0)) throw UserError("has a voxel spacing that is not positive", path, "repair the header");
   if (most > largest_anisotropy * least)
-    throw UserError(
-        fmt::format("voxels of {} x {} x {} mm are more anisotropic than {}:1", s.x, s.y, s.z, largest_anisotropy),
-        path, "resample the volume or use a thinner reconstruction");
+    throw UserError(fmt::format("voxels of {:.6g} x {:.6g} x {:.6g} mm are more anisotropic than {}:1", s.x, s.y, s.z,
+                                largest_anisotropy),
+                    path, "resample the volume or use a thinner reconstruction");
 }
 
 Volume<float> read_series(const std::string& folder) {
@@ -179,6 +181,34 @@ itk::ImageIOBase::Pointer open_header(const std::string& path) {
   return io;
 }
 
+/// The value of "KEY = VALUE", empty on a line with another key.
+std::string meta_value(const std::string& line, const std::string& key) {
+  if (!line.starts_with(key + " =")) return {};
+  const auto first = line.find_first_not_of(' ', key.size() + 2);
+  return first == std::string::npos ? std::string{} : line.substr(first, line.find_last_not_of(" \r") - first + 1);
+}
+
+/// The library reads a truncated MetaImage without an error. `voxel_bytes`: of the voxels when not compressed. Voxels
+/// in a list of files or in a file of a named pattern are left to the library.
+void check_meta_image_length(const std::string& path, std::uintmax_t voxel_bytes) {
+  std::ifstream header(path, std::ios::binary);
+  std::uintmax_t expected = voxel_bytes;
+  std::string data_file;
+  for (std::string line; data_file.empty() && std::getline(header, line);
+       data_file = meta_value(line, "ElementDataFile")) {
+    if (meta_value(line, "CompressedData") == "True") expected = 0;  // unknown, when no size follows
+    const auto size = meta_value(line, "CompressedDataSize");
+    std::from_chars(size.data(), size.data() + size.size(), expected);
+  }
+  const bool local = data_file == "LOCAL";
+  const fs::path data = local ? fs::path(path) : fs::path(path).parent_path() / data_file;
+  if (data_file == "LIST" || !fs::is_regular_file(data)) return;
+  const auto start = local ? static_cast<std::uintmax_t>(header.tellg()) : 0;
+  if (fs::file_size(data) < start + expected)
+    throw UserError(local ? "is truncated" : fmt::format("its voxels in {} are truncated", data_file), path,
+                    "copy or download it again");
+}
+
 Volume<float> read_file(const std::string& path, bool allow_2d) {
   if (is_nifti(path)) {
     check_size(read_nifti_grid(path).size, path, allow_2d);
@@ -186,6 +216,8 @@ Volume<float> read_file(const std::string& path, bool allow_2d) {
   }
   const auto io = open_header(path);
   check_header(*io, path, allow_2d);
+  if (path.ends_with(".mhd") || path.ends_with(".mha"))
+    check_meta_image_length(path, static_cast<std::uintmax_t>(io->GetImageSizeInBytes()));
   const auto reader = itk::ImageFileReader<Image<float>>::New();
   reader->SetImageIO(io);
   reader->SetFileName(path);
@@ -286,6 +318,7 @@ Volume<To> converted(const Volume<float>& in) {
 
 template <class T>
 void write(const std::string& path, const Volume<T>& volume) {
+  check_image_name(path);
   register_formats();
   const auto image = Image<T>::New();
   typename Image<T>::SizeType size;
@@ -373,6 +406,12 @@ LabelImage read_label_image(const std::string& path) {
 }
 
 Volume<float> read_image(const std::string& path) { return read_any(path, true); }
+
+void check_image_name(const std::string& path) {
+  constexpr std::array endings{".nii", ".nii.gz", ".nrrd", ".mhd", ".mha"};
+  if (std::none_of(endings.begin(), endings.end(), [&](const char* ending) { return path.ends_with(ending); }))
+    throw UserError("is of no known kind", path, "use .nii.gz, .nii, .nrrd, .mha or .mhd");
+}
 
 void write_volume(const std::string& path, const Volume<std::int16_t>& volume) { write(path, volume); }
 void write_volume(const std::string& path, const Volume<std::uint8_t>& volume) { write(path, volume); }

@@ -38,6 +38,9 @@ LabelImage read_label_image(const std::string& path);
 /// Reads any scalar image as float, 2D images as one slice (for `heartgen filter`).
 Volume<float> read_image(const std::string& path);
 
+/// Throws UserError when write_volume knows no format for the ending: commands ask before their long work.
+void check_image_name(const std::string& path);
+
 /// Writes .nii, .nii.gz, .nrrd, .mhd, .mha (compressed where the format can). Throws UserError on failure.
 void write_volume(const std::string& path, const Volume<std::int16_t>& volume);
 void write_volume(const std::string& path, const Volume<std::uint8_t>& volume);

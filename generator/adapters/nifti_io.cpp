@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <nifti1_io.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <fstream>
+#include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "model/error.hpp"
 
@@ -15,19 +17,6 @@ namespace heart::adapters {
 namespace {
 
 using NiftiImage = std::unique_ptr<nifti_image, decltype(&nifti_image_free)>;
-
-/// The library fills what a truncated .gz lacks with zeros and says nothing. The last four bytes of a gzip file hold
-/// its uncompressed length modulo 2^32, which must be the image plus a header (and extensions) of at most 64 MiB.
-void check_gzip_length(const std::string& path, std::uint64_t image_bytes) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (file.tellg() < 18) throw UserError("is truncated", path, "copy or download it again");
-  std::array<unsigned char, 4> tail{};
-  file.seekg(-4, std::ios::end);
-  file.read(reinterpret_cast<char*>(tail.data()), 4);
-  const std::uint32_t length = tail[0] | tail[1] << 8 | tail[2] << 16 | static_cast<std::uint32_t>(tail[3]) << 24;
-  if (length - static_cast<std::uint32_t>(image_bytes) > (64U << 20))
-    throw UserError("is truncated: its last bytes are missing", path, "copy or download it again");
-}
 
 /// sform first (what converters write), then qform, then bare voxel sizes.
 mat44 ras_from_index(const nifti_image& image) {
@@ -54,33 +43,54 @@ Grid grid_of(const nifti_image& image, const std::string& path) {
   return grid;
 }
 
+/// The voxels as they lie in the file, in this machine's byte order. Not by the library, which fills what a truncated
+/// file lacks with zeros and makes NaN zero, and says neither. zlib reads plain files as they are.
+std::vector<std::byte> read_voxel_bytes(const nifti_image& image, const std::string& path) {
+  std::vector<std::byte> bytes(image.nvox * static_cast<std::size_t>(image.nbyper));
+  const std::unique_ptr<gzFile_s, decltype(&gzclose)> file(gzopen(path.c_str(), "rb"), &gzclose);
+  bool complete = file && gzseek(file.get(), image.iname_offset, SEEK_SET) == image.iname_offset;
+  constexpr std::size_t largest_read = 1U << 30;
+  for (std::size_t done = 0; complete && done < bytes.size();) {
+    const auto wanted = static_cast<unsigned>(std::min(largest_read, bytes.size() - done));
+    complete = gzread(file.get(), &bytes[done], wanted) == static_cast<int>(wanted);
+    done += wanted;
+  }
+  // Only past the last byte is the checksum compared.
+  if (std::byte beyond{}; !complete || gzread(file.get(), &beyond, 1) < 0)
+    throw UserError("is truncated or damaged", path, "copy or download it again");
+  if (image.swapsize > 1 && image.byteorder != nifti_short_order())
+    nifti_swap_Nbytes(bytes.size() / static_cast<std::size_t>(image.swapsize), image.swapsize, bytes.data());
+  return bytes;
+}
+
 template <class T>
-void copy_scaled(const nifti_image& image, std::vector<float>& to) {
-  const T* from = static_cast<const T*>(image.data);
+void copy_scaled(const nifti_image& image, const std::vector<std::byte>& bytes, std::vector<float>& to) {
+  const T* from = reinterpret_cast<const T*>(bytes.data());
   const bool scaled = std::isfinite(image.scl_slope) && image.scl_slope != 0 && std::isfinite(image.scl_inter);
   const double slope = scaled ? image.scl_slope : 1, intercept = scaled ? image.scl_inter : 0;
   for (std::size_t i = 0; i < to.size(); ++i)
     to[i] = static_cast<float>(slope * static_cast<double>(from[i]) + intercept);
 }
 
-void copy_voxels(const nifti_image& image, std::vector<float>& to, const std::string& path) {
+void copy_voxels(const nifti_image& image, const std::string& path, std::vector<float>& to) {
+  const auto bytes = read_voxel_bytes(image, path);
   switch (image.datatype) {
     case DT_UINT8:
-      return copy_scaled<std::uint8_t>(image, to);
+      return copy_scaled<std::uint8_t>(image, bytes, to);
     case DT_INT8:
-      return copy_scaled<std::int8_t>(image, to);
+      return copy_scaled<std::int8_t>(image, bytes, to);
     case DT_INT16:
-      return copy_scaled<std::int16_t>(image, to);
+      return copy_scaled<std::int16_t>(image, bytes, to);
     case DT_UINT16:
-      return copy_scaled<std::uint16_t>(image, to);
+      return copy_scaled<std::uint16_t>(image, bytes, to);
     case DT_INT32:
-      return copy_scaled<std::int32_t>(image, to);
+      return copy_scaled<std::int32_t>(image, bytes, to);
     case DT_UINT32:
-      return copy_scaled<std::uint32_t>(image, to);
+      return copy_scaled<std::uint32_t>(image, bytes, to);
     case DT_FLOAT32:
-      return copy_scaled<float>(image, to);
+      return copy_scaled<float>(image, bytes, to);
     case DT_FLOAT64:
-      return copy_scaled<double>(image, to);
+      return copy_scaled<double>(image, bytes, to);
     default:
       throw UserError(fmt::format("holds voxels of type {}", nifti_datatype_string(image.datatype)), path,
                       "convert it to 16-bit integers or floats");
@@ -103,10 +113,8 @@ Grid read_nifti_grid(const std::string& path) { return grid_of(*read_header(path
 
 Volume<float> read_nifti(const std::string& path) {
   const NiftiImage image = read_header(path);
-  if (path.ends_with(".gz")) check_gzip_length(path, image->nvox * static_cast<std::uint64_t>(image->nbyper));
   Volume<float> volume(grid_of(*image, path));
-  if (nifti_image_load(image.get()) != 0) throw UserError("is truncated or damaged", path, "copy or download it again");
-  copy_voxels(*image, volume.voxels, path);
+  copy_voxels(*image, path, volume.voxels);
   return volume;
 }
 

@@ -33,6 +33,7 @@ Json pose_json(const labels::TorsoPose& pose, const std::vector<labels::CommonMa
 }  // namespace
 
 int place_command(const PlaceCommand& command) {
+  adapters::check_image_name(command.output);
   const auto heart = adapters::read_labels(command.heart), torso = adapters::read_labels(command.torso);
   const auto marks = labels::common_marks(heart, landmarks_from(command.heart_landmarks), torso,
                                           landmarks_from(command.torso_landmarks));

@@ -69,25 +69,34 @@ struct Open {
 };
 using OpenSlices = std::vector<std::vector<Open>>;
 
-/// Decides by the pull alone; returns what is left.
-OpenSlices first_round(const Problem& p, Slab<std::uint8_t>& state) {
+/// Decides a slice by the pull alone; returns what is left.
+std::vector<Open> first_round(const Problem& p, std::int64_t k, Slab<std::uint8_t>& state) {
   const auto nx = state.grid.size[0], ny = state.grid.size[1];
   const float most = p.weights.x + p.weights.y + p.weights.z + p.norms[7] + margin;
+  std::int64_t left = 0;
+  for (std::int64_t j = 0; j < ny; ++j) {
+    std::uint8_t* s = state.row(j, k);
+    const float* g = p.image.row(j, k);
+    for (std::int64_t i = 0; i < nx; ++i) {
+      if (s[i] != decided_outside) s[i] = first_state(p.pull(g[i]), most);
+      left += s[i] == undecided;
+    }
+  }
+  std::vector<Open> open;
+  open.reserve(static_cast<std::size_t>(left));
+  for (std::int64_t j = 0; j < ny; ++j) {
+    const std::uint8_t* s = state.row(j, k);
+    const float* g = p.image.row(j, k);
+    for (std::int64_t i = 0; i < nx; ++i)
+      if (s[i] == undecided) open.push_back({static_cast<std::int32_t>(j), static_cast<std::int32_t>(i), p.pull(g[i])});
+  }
+  return open;
+}
+
+OpenSlices first_round(const Problem& p, Slab<std::uint8_t>& state) {
   OpenSlices open(static_cast<std::size_t>(state.count));
   parallel::parallel_for(state.first, state.end(), [&](std::int64_t from, std::int64_t to) {
-    for (auto k = from; k < to; ++k)
-      for (std::int64_t j = 0; j < ny; ++j) {
-        std::uint8_t* s = state.row(j, k);
-        const float* g = p.image.row(j, k);
-        for (std::int64_t i = 0; i < nx; ++i) {
-          if (s[i] == decided_outside) continue;
-          const float pull = p.pull(g[i]);
-          s[i] = first_state(pull, most);
-          if (s[i] == undecided)
-            open[static_cast<std::size_t>(k - state.first)].push_back(
-                {static_cast<std::int32_t>(j), static_cast<std::int32_t>(i), pull});
-        }
-      }
+    for (auto k = from; k < to; ++k) open[static_cast<std::size_t>(k - state.first)] = first_round(p, k, state);
   });
   return open;
 }
@@ -119,6 +128,7 @@ std::int64_t decide_more(const Problem& p, OpenSlices& open, Slab<std::uint8_t>&
     });
   };
   for_slices([&](std::size_t n, std::int64_t k) {
+    next[n].reserve(open[n].size());
     for (const Open& voxel : open[n]) next[n].push_back(next_state(p, around(state, voxel, k), voxel.pull));
   });
   std::vector<std::int64_t> decided(open.size(), 0);
@@ -154,8 +164,10 @@ Slab<std::uint8_t> decide(const Slab<float>& image, const Slab<std::uint8_t>& do
   auto open = first_round(problem, state);
   for (int round = 1; round < most_rounds; ++round) {
     parallel::exchange_halo(state, comm);
-    const auto left = parallel::sum_int64(comm, size_of(open));
-    if (parallel::sum_int64(comm, decide_more(problem, open, state)) * worthwhile < left) break;
+    std::array<std::int64_t, 2> left_and_decided{size_of(open), 0};
+    left_and_decided[1] = decide_more(problem, open, state);
+    parallel::sum_int64(comm, left_and_decided);
+    if (left_and_decided[1] * worthwhile < left_and_decided[0]) break;
   }
   parallel::exchange_halo(state, comm);
   return state;

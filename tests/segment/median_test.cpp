@@ -52,18 +52,6 @@ TEST(Median, OfFloatsEqualsNthElement) {
   }
 }
 
-TEST(Median, OfGreyValuesEqualsNthElement) {
-  std::mt19937 random(4);
-  for (const std::size_t size : {1u, 2u, 7u, 5000u}) {
-    std::vector<std::int16_t> values(size);
-    for (auto& v : values) v = static_cast<std::int16_t>(random());
-    expect_median(values);
-    for (auto& v : values) v = static_cast<std::int16_t>(random() % 3);
-    expect_median(values);
-  }
-  expect_median(std::vector<std::int16_t>{-32768, 32767});
-}
-
 TEST(Median, CountsOnlyTheLabelledVoxels) {
   const auto values = slab_of(std::vector<float>{5, -1, 100, 3, 100, 4});
   const auto labels = slab_of(std::vector<std::uint8_t>{1, 1, 2, 1, 2, 0});

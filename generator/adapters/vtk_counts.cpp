@@ -63,7 +63,8 @@ std::uint64_t word_at(std::string_view bytes, std::size_t at, std::size_t width)
   return value;
 }
 
-/// The table before an array: number of blocks, bytes of a block, bytes of the last one; or one number of bytes.
+/// The table before an array: number of blocks, bytes of a block, bytes of the last one, then the compressed bytes of
+/// every block; or one number of bytes.
 void check_block_table(const File& file, std::size_t at, std::size_t width, bool compressed) {
   const std::uint64_t rest = at < file.bytes.size() ? file.bytes.size() - at : 0;
   const std::uint64_t first = word_at(file.bytes, at, width);
@@ -72,6 +73,8 @@ void check_block_table(const File& file, std::size_t at, std::size_t width, bool
   for (const std::size_t word : {1, 2})
     require(file, word_at(file.bytes, at + word * width, width), rest * largest_compression + nominal_block,
             "bytes in a block");
+  for (std::uint64_t block = 0; block < first; ++block)
+    require(file, word_at(file.bytes, at + (3 + block) * width, width), rest, "bytes in a compressed block");
 }
 
 void check_appended(const File& file, std::string_view header, std::size_t data_begin) {

@@ -183,6 +183,7 @@ TEST(VtkIo, CountsThatTheFileCannotHoldAreRefusedBeforeTheyAreUsed) {
   const std::size_t first_array = whole.find("_", whole.find("<AppendedData")) + 1;
   EXPECT_NE(refusal_with(first_array, std::string(7, '\x7f')).find("blocks"), std::string::npos);
   EXPECT_NE(refusal_with(first_array + 8, std::string(7, '\x7f')).find("bytes in a block"), std::string::npos);
+  EXPECT_NE(refusal_with(first_array + 24, std::string(7, '\x7f')).find("compressed block"), std::string::npos);
   write_bytes(folder / "legacy.vtk",
               "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n"
               "POINTS 88888888888888888888 double\n0 0 0\n");

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <clocale>
+#include <cstdio>
 #include <functional>
 
 #include "exporters/registry.hpp"
@@ -295,6 +296,7 @@ void add_accuracy(Program& p) {
   sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
   sub->add_option("--keep", p.accuracy.keep, "folder for each phantom's CT, truth, label map and row");
   sub->add_flag("--resume", p.accuracy.resume, "take the rows that an earlier run left in --keep");
+  sub->add_option("--plot", p.accuracy.plot, "SVG to write: least Dice over the right heart's contrast");
   sub->add_flag("--json", p.accuracy.json, "print every number as JSON");
 }
 
@@ -326,7 +328,9 @@ void add_bench(Program& p) {
     if (p.threads > 0) p.bench.threads = p.threads;
     return bench_command(p.bench, p.comm);
   });
-  sub->footer(bench_help() + "Examples:\n  heartgen bench sweep\n  mpirun -n 2 heartgen bench ranks");
+  sub->footer(bench_help() +
+              "Examples:\n  heartgen bench sweep\n  mpirun -n 2 heartgen bench ranks\n  heartgen bench mesh\n"
+              "  heartgen bench mesh-torso --labels bundle/images/labels.nii.gz");
   sub->add_option("names", p.bench.names, "benchmarks (default: all)");
   sub->add_option("--size", p.size, "of the phantom, voxels NX,NY,NZ (default 512,512,199)")
       ->delimiter(',')
@@ -334,6 +338,9 @@ void add_bench(Program& p) {
   sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 0.5,0.5,1.2)")->delimiter(',')->expected(3);
   sub->add_option("--repeats", p.bench.repeats, "of short measurements, of which the median counts (default 7)")
       ->check(CLI::PositiveNumber);
+  sub->add_option("--labels", p.bench.labels, "label map for mesh-torso, -vessels and -slice (default: a phantom's)");
+  sub->add_option("--variant", p.bench.variant, "of the phantom that they are made from otherwise (default 0)")
+      ->check(CLI::NonNegativeNumber);
   sub->add_flag("--processor-time", p.bench.processor_time,
                 "count processor time over threads, where the machine does other things meanwhile");
   sub->add_flag("--json", p.bench.json, "print as JSON");
@@ -381,10 +388,8 @@ int parse_failed(Program& p, const CLI::ParseError& error) {
   return exit_user;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  std::setlocale(LC_ALL, "C");
+/// Mistakes and defects become messages and exit codes.
+int command_line(int argc, char** argv) {
   const parallel::Environment environment(&argc, &argv);
   Program p;
   p.comm = parallel::world();
@@ -418,6 +423,18 @@ int main(int argc, char** argv) {
     return exit_user;
   } catch (const std::exception& error) {
     if (p.comm.is_root()) fmt::print(stderr, "heartgen: internal error: {}\n", error.what());
+    return exit_defect;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::setlocale(LC_ALL, "C");
+  try {
+    return command_line(argc, argv);
+  } catch (...) {  // what is thrown before a command runs or while its message is printed; nothing may leave main
+    std::fputs("heartgen: internal error\n", stderr);
     return exit_defect;
   }
 }

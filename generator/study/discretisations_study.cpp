@@ -134,6 +134,15 @@ Table energy_table(const Field& image, const Domain& plane, const std::vector<Fo
   return table;
 }
 
+Plot energy_plot(const std::array<Energies, 3>& all) {
+  Plot plot{"table-5-2", "Energies of the segmentations", "method", "energy", false, false, {}};
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    plot.curves.push_back({std::string(lengths[k].second) + " length", {}, {all[k].begin(), all[k].end()}});
+    for (int method = 1; method <= discretisation_count; ++method) plot.curves.back().x.push_back(method);
+  }
+  return plot;
+}
+
 }  // namespace
 
 StudyResult study_discretisations(const StudySettings& settings) {
@@ -162,7 +171,8 @@ StudyResult study_discretisations(const StudySettings& settings) {
           "for good.",
           size, close),
       {energy_table(image, plane, flows, reference, close)},
-      {{"fig-5-6", "Distance to the minimum (5.22)", "iteration", "pixels that differ", true, true, {}}},
+      {{"fig-5-6", "Distance to the minimum (5.22)", "iteration", "pixels that differ", true, true, {}},
+       energy_plot(all)},
       {{"image", "the image", grey_picture(image, 0, 255)},
        {"reference", "convex solver", class_picture(positive_side(reference.phi, plane))}},
       claims(all, flows, reference.energy, close)};

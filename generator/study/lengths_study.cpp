@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -39,6 +38,18 @@ constexpr double real_length = 2 * std::numbers::pi * radius;
 
 Field circle(double center, double r) { return circle_start(plane, plane, center, center, r); }
 
+struct Sampled {
+  std::string name;
+  double center, radius;
+};
+
+const std::vector<Sampled>& sampled_circles() {
+  static const std::vector<Sampled> all = {{"between pixels", between_pixels, radius},
+                                           {"on a pixel", on_a_pixel, radius},
+                                           {"between pixels, radius 99.1572214", between_pixels, printed_radius}};
+  return all;
+}
+
 Table circumference_table() {
   Table table{"table-5-1",
               "Circumference of a circle of radius 100 (real length 628.3185307) from its signed distance function, "
@@ -50,18 +61,35 @@ Table circumference_table() {
   for (const auto& e : estimators()) printed.push_back(fmt::format("{:.7f}", e.printed));
   printed.insert(printed.end(), {"792", "119"});
   table.rows.push_back(printed);
-  const std::array<std::pair<const char*, Field>, 3> circles = {
-      {{"between pixels", circle(between_pixels, radius)},
-       {"on a pixel", circle(on_a_pixel, radius)},
-       {"between pixels, radius 99.1572214", circle(between_pixels, printed_radius)}}};
-  for (const auto& [name, phi] : circles) {
-    std::vector<std::string> row{name};
+  for (const auto& sampled : sampled_circles()) {
+    const Field phi = circle(sampled.center, sampled.radius);
+    std::vector<std::string> row{sampled.name};
     for (const auto& e : estimators()) row.push_back(fmt::format("{:.7f}", e.length(phi)));
     const EdgeCrossings found = edge_crossings(phi);
     row.insert(row.end(), {std::to_string(found.edges), std::to_string(found.corners)});
     table.rows.push_back(row);
   }
   return table;
+}
+
+/// The table's errors, each against the circle that was sampled (the thesis's: against the radius 100 that it states).
+Plot circumference_plot() {
+  const std::vector<double> numbers = {1, 2, 3, 4, 5};
+  const auto percent = [](double length, double r) { return 100 * std::abs(length / (2 * std::numbers::pi * r) - 1); };
+  Plot plot{"table-5-1",
+            "Errors of the five lengths",
+            "length, as in the table: 1, 2 Gaussian, 3 Heaviside, 4 Smereka",
+            "error, percent",
+            false,
+            true,
+            {{"thesis", numbers, {}}}};
+  for (const auto& e : estimators()) plot.curves[0].y.push_back(percent(e.printed, radius));
+  for (const auto& sampled : sampled_circles()) {
+    const Field phi = circle(sampled.center, sampled.radius);
+    plot.curves.push_back({sampled.name, numbers, {}});
+    for (const auto& e : estimators()) plot.curves.back().y.push_back(percent(e.length(phi), sampled.radius));
+  }
+  return plot;
 }
 
 /// All estimators for a family of rescaled circles; x is the family's parameter.
@@ -191,7 +219,7 @@ StudyResult study_lengths(const StudySettings& settings) {
           "= 1e-10 in Smereka's formula. The thesis says neither the size of its plane nor where the centre lies.",
           plane),
       {circumference_table(), table_of(powers), table_of(multiples), refinement_table(settings.quick)},
-      {powers, multiples},
+      {circumference_plot(), powers, multiples},
       {},
       claims(powers, multiples)};
 }

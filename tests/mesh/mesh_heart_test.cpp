@@ -185,12 +185,6 @@ TEST(DelaunayBackend, MeshesTheSmallHeartToo) {
   }
 }
 
-TEST(LatticeBackend, UnknownBackendIsRefused) {
-  auto settings = coarse();
-  settings.backend = "latice";
-  EXPECT_THROW(mesh::mesh_labels(label_cube(8, 2, [](const Vec3&) { return Region::torso; }), settings), UserError);
-}
-
 class SmallHeart : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -131,6 +131,7 @@ std::vector<std::optional<float>> medians(const Slab<float>& values, const Slab<
     }
   }
   std::vector<std::optional<float>> result;
+  result.reserve(searches.size());
   for (const auto& search : searches)
     result.push_back(search.empty ? std::nullopt : std::optional(value_of(search.prefix)));
   return result;

@@ -94,14 +94,20 @@ Mask cut_veins(const Mask& chamber, double core_share, double stump_mm) {
   return result;
 }
 
-Mask cut_inferior_cava(const Mask& atrium, double core_share, double stump_mm) {
+Mask cut_venae_cavae(const Mask& atrium, double core_share, double above_mm, double below_mm) {
   const Mask core = wide_part(atrium, core_share);
-  double lowest_mm = std::numeric_limits<double>::infinity();
-  for (std::size_t v = 0; v < core.voxels.size(); ++v)
-    if (core.voxels[v]) lowest_mm = std::min(lowest_mm, position(core.grid, v).z);
+  double lowest_mm = std::numeric_limits<double>::infinity(), highest_mm = -lowest_mm;
+  for (std::size_t v = 0; v < core.voxels.size(); ++v) {
+    if (!core.voxels[v]) continue;
+    const double z = position(core.grid, v).z;
+    lowest_mm = std::min(lowest_mm, z);
+    highest_mm = std::max(highest_mm, z);
+  }
   Mask result = atrium;
-  for (std::size_t v = 0; v < result.voxels.size(); ++v)
-    if (position(core.grid, v).z < lowest_mm - stump_mm) result.voxels[v] = 0;
+  for (std::size_t v = 0; v < result.voxels.size(); ++v) {
+    const double z = position(core.grid, v).z;
+    if (z < lowest_mm - below_mm || z > highest_mm + above_mm) result.voxels[v] = 0;
+  }
   return largest_component(result);
 }
 

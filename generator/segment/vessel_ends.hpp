@@ -13,9 +13,10 @@ Mask cut_artery(const Mask& artery, const Mask& start, double length_mm);
 /// the piece that holds the deepest point) and what lies within `stump_mm` of it along the inside.
 Mask cut_veins(const Mask& chamber, double core_share, double stump_mm);
 
-/// A right atrium without the inferior vena cava, which leaves it below: nothing lower than `stump_mm` below its wide
-/// part (as in cut_veins). Positions are the patient's.
-Mask cut_inferior_cava(const Mask& atrium, double core_share, double stump_mm);
+/// A right atrium without the venae cavae, which leave it above and below: nothing higher than `above_mm` over its wide
+/// part (as in cut_veins), nothing lower than `below_mm` under it, cut flat. Positions are the patient's: both veins
+/// run along z there.
+Mask cut_venae_cavae(const Mask& atrium, double core_share, double above_mm, double below_mm);
 
 /// The largest piece of a region without branches thinner than `radius_mm` (coronaries at the aortic root, small
 /// veins): its opening, and what lies within a voxel's reach of it.

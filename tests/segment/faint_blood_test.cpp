@@ -185,7 +185,7 @@ TEST(FaintBlood, TheImageOverrulesUsualAnatomyWhereItIsClear) {
   EXPECT_GT(find(scene).dice, 0.93);
 }
 
-TEST(CutInferiorCava, ItGoesAndTheRestStays) {
+TEST(CutVenaeCavae, TheyGoAndTheRestStays) {
   Grid grid;
   grid.size = {60, 60, 90};
   grid.origin_mm = {-30, -30, -45};
@@ -200,7 +200,7 @@ TEST(CutInferiorCava, ItGoesAndTheRestStays) {
         const bool appendage = in_tube(p, 0, -10) && p.z > 0 && p.z < 30;  // above, in front
         atrium.voxels[v] = norm(p) < 20 || cavae || appendage;
       }
-  const Mask cut = cut_inferior_cava(atrium, 0.6, 4);
+  const Mask cut = cut_venae_cavae(atrium, 0.6, 10, 4);
   const auto at = [&](double x, double y, double z) {
     const Vec3 index = index_from_lps(grid, {x, y, z});
     return cut(std::lround(index.x), std::lround(index.y), std::lround(index.z)) != 0;
@@ -208,6 +208,7 @@ TEST(CutInferiorCava, ItGoesAndTheRestStays) {
   EXPECT_TRUE(at(0, 8, -17));
   EXPECT_FALSE(at(0, 8, -28));
   EXPECT_TRUE(at(0, 8, 28));
+  EXPECT_FALSE(at(0, 8, 33));
   EXPECT_TRUE(at(0, -10, 28));
 }
 

@@ -92,6 +92,7 @@ head. Many codes want metres, centimetres or micrometres: `heartgen export` conv
 | `.vtu` cells | `region` | int32 | tag of the tissue, see below |
 | `.vtu` cells and points | `fiber`, `sheet`, `sheet_normal` | 3 float64 | orthonormal axes; their signs mean nothing; zero where there is no muscle |
 | `.vtu` points | `fiber_source` | uint8 | 0 none, 1 atlas, 2 inpainted, 3 rule |
+| `.vtu` cells | `rule_difference_deg` | float32 | angle between `fiber` and the axis of rule-based fibres; -1 outside the ventricles |
 | `.vtu` points, cells | `parent_node`, `parent_cell` | int32 | 0-based ids in the larger mesh that holds this one (the torso), where there is one |
 | `.vtp` cells | `surface` | int32 | label of the face, see below |
 | `.vtp` points | `GlobalNodeID` | int32 | **1-based** node of the point in the `.vtu` |

@@ -109,7 +109,7 @@ struct Section {
       const std::string text(key.str());
       if (std::find(known.begin(), known.end(), text) == known.end())
         throw UserError(fmt::format("unknown key \"{}\"", full(text)), place(path, node),
-                        fmt::format("did you mean \"{}\"?", nearest_name(text, known)));
+                        fmt::format("did you mean \"{}\"?", full(nearest_name(text, known))));
     }
   }
 };
@@ -175,6 +175,15 @@ void read_label_section(Section& top, LabelSettings& labels) {
   section.refuse_unknown();
 }
 
+void read_fiber_section(Section& top, FiberSettings& fibers) {
+  const auto* table = top.subtable("fibers");
+  if (!table) return;
+  Section section{*table, top.path, "fibers"};
+  if (const auto* rule = section.subtable("rule")) read_settings(*rule, top.path, "fibers.rule", fibers.rule);
+  FiberSettings::describe([&](const char* key, auto& value, const char*) { section.take(key, value); }, fibers);
+  section.refuse_unknown();
+}
+
 void read_steps(Section& top, std::vector<SegmentationStep>& steps) {
   top.known.emplace_back("segmentation");
   const auto* node = top.table.get("segmentation");
@@ -208,6 +217,7 @@ std::string toml_text(const std::string& value) {
   }
   return text + "\"";
 }
+std::string toml_text(bool value) { return value ? "true" : "false"; }
 std::string toml_text(int value) { return std::to_string(value); }
 std::string toml_text(double value) { return number_text(value); }
 std::string toml_text(const Vec3& v) {
@@ -249,14 +259,14 @@ std::string labels_text(const LabelSettings& labels) {
   return text;
 }
 
+void drop_folder(const char*, std::string& value, const char*) {
+  const fs::path path = value;
+  value = (path.has_filename() ? path : path.parent_path()).filename().string();  // "masks/" is a folder
+}
+
 template <class Paths>
 Paths without_folders(Paths paths) {
-  Paths::describe(
-      [](const char*, std::string& value, const char*) {
-        const fs::path path = value;
-        value = (path.has_filename() ? path : path.parent_path()).filename().string();  // "masks/" is a folder
-      },
-      paths);
+  Paths::describe(drop_folder, paths);
   return paths;
 }
 
@@ -302,8 +312,11 @@ Recipe read_recipe(const std::string& path) {
   read_steps(top, recipe.segmentation);
   read_section(top, "chambers", recipe.chambers);
   read_section(top, "epicardium", recipe.epicardium);
+  read_section(top, "torso", recipe.torso);
+  TorsoSettings::describe_files([&](const char*, std::string& file, const char*) { resolve(file, folder); },
+                                recipe.torso);
   read_section(top, "mesh", recipe.mesh);
-  read_section(top, "fibers", recipe.fibers);
+  read_fiber_section(top, recipe.fibers);
   read_section(top, "validation", recipe.validation);
   top.refuse_unknown();
   return recipe;
@@ -323,9 +336,12 @@ std::string write_recipe(const Recipe& recipe, bool file_names_only) {
   input.landmarks.clear();
   text += settings_text("[input]", input) + labels_text(recipe.labels);
   text += settings_text("[replace]", file_names_only ? without_folders(recipe.replace) : recipe.replace);
-  for (const char* section :
-       {"landmarks", "denoise", "segmentation", "chambers", "epicardium", "mesh", "fibers", "validation"})
+  for (const char* section : {"landmarks", "denoise", "segmentation", "chambers", "epicardium"})
     text += recipe_section(recipe, section);
+  TorsoSettings torso = recipe.torso;
+  if (file_names_only) TorsoSettings::describe_files(drop_folder, torso);
+  text += settings_text("[torso]", torso);
+  for (const char* section : {"mesh", "fibers", "validation"}) text += recipe_section(recipe, section);
   return text;
 }
 
@@ -336,8 +352,10 @@ std::string recipe_section(const Recipe& recipe, std::string_view section) {
   if (section == "denoise") return settings_text("[denoise]", recipe.denoise);
   if (section == "chambers") return settings_text("[chambers]", recipe.chambers);
   if (section == "epicardium") return settings_text("[epicardium]", recipe.epicardium);
+  if (section == "torso") return settings_text("[torso]", recipe.torso);
   if (section == "mesh") return settings_text("[mesh]", recipe.mesh);
-  if (section == "fibers") return settings_text("[fibers]", recipe.fibers);
+  if (section == "fibers")
+    return settings_text("[fibers]", recipe.fibers) + settings_text("[fibers.rule]", recipe.fibers.rule);
   if (section == "validation") return settings_text("[validation]", recipe.validation);
   std::string text;
   for (const auto& step : recipe.segmentation) text += settings_text("[[segmentation]]", step);

@@ -172,6 +172,33 @@ struct EpicardiumSettings {
   }
 };
 
+/// Another patient's body around the heart (thesis 8.3.5), where its CT or its label map is given.
+struct TorsoSettings {
+  std::string ct;               // CT of the other patient, segmented as the heart's own with this recipe's settings
+  std::string labels;           // or its label map, with the tags of a bundle
+  std::string landmarks;        // JSON file with its seeds, valves and apex; empty: found in the CT
+  bool with_scale = false;      // one scale is fitted too, beside rotation and shift
+  std::string frame = "heart";  // frame of the bundle: that of the "heart"'s image or of the "torso"'s
+  std::vector<double> torso_from_heart;  // the pose: 3 rows of 4 numbers, mm; empty: fitted to what both have
+
+  bool is_given() const { return !ct.empty() || !labels.empty(); }
+
+  template <class V>
+  static void describe_files(V&& v, auto& s) {
+    v("ct", s.ct, "CT of another patient whose body goes around the heart; empty: the heart's own body");
+    v("labels", s.labels, "or the label map of that patient, with the tags of a bundle");
+    v("landmarks", s.landmarks, "JSON file with seeds, valves and apex in that image; empty: found in its CT");
+  }
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    describe_files(v, s);
+    v("with_scale", s.with_scale, "fit one scale too, beside rotation and shift");
+    v("frame", s.frame, "frame of the bundle: the image of the \"heart\", or that of the \"torso\"");
+    v("torso_from_heart", s.torso_from_heart,
+      "pose as 3 rows of 4 numbers (x = matrix * x + mm); empty: fitted to chambers, valves and apex of both");
+  }
+};
+
 struct MeshSettings {
   std::string backend = "lattice";  // of the heart and the torso: "lattice", "cgal" or "tetgen"
   std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
@@ -199,17 +226,73 @@ struct MeshSettings {
   }
 };
 
-struct FiberSettings {
-  std::string method = "local_angles";                // "local_angles", "coordinates" or "jacobian" (thesis 9.2)
-  double grid_mm = 1.5;                               // spacing of the registration grid
-  double demons_sigma_mm = 2;                         // smoothing of the displacement field
-  std::vector<int> demons_iterations = {60, 40, 15};  // per level, coarse to fine
-  int inpainting_iterations = 200;
-  double depth_grid_mm = 1;  // spacing of the grid for wall depth and directions, at most grid_mm
+/// Fibres by rule on harmonic coordinates of the mesh: ventricles after Bayer 2012 with the outflow tracts of Doste
+/// 2019, both as written by Piersanti 2021, whose angles and thresholds these are (for the atria, its table of an
+/// idealised heart). Helix angles: positive as at a normal endocardium; sheet angles: about the fibre, from the wall's
+/// normal.
+struct RuleSettings {
+  double lv_helix_endo_deg = 60;
+  double lv_helix_epi_deg = -60;
+  double rv_helix_endo_deg = 90;
+  double rv_helix_epi_deg = -25;
+  double outflow_helix_endo_deg = 90;  // at the aortic and the pulmonary valve
+  double outflow_helix_epi_deg = 0;
+  double lv_sheet_endo_deg = -20;
+  double lv_sheet_epi_deg = 20;
+  double rv_sheet_endo_deg = 0;
+  double rv_sheet_epi_deg = 20;
+  double la_mitral =
+      0.65;  // harmonic functions from 0 to 1 between a chamber's openings; bundles begin at these values
+  double la_left_veins = 0.1;
+  double la_right_veins = 0.65;
+  double ra_tricuspid = 0.9;
+  double ra_wall = 0.55;
+  double ra_inferior_cava = 0.9;
+  double ra_superior_cava = 0.1;
+  double ra_crista_low = -0.18;
+  double ra_crista_high = -0.1;
+  double ra_intercaval = 0.135;
+  double ra_septum = 0.35;
 
   template <class V>
   static void describe(V&& v, auto& s) {
-    v("method", s.method, "how atlas fibres are carried: \"local_angles\", \"coordinates\" or \"jacobian\"");
+    v("lv_helix_endo_deg", s.lv_helix_endo_deg, "helix angle at the left ventricle's endocardium");
+    v("lv_helix_epi_deg", s.lv_helix_epi_deg, "helix angle at the left ventricle's epicardium");
+    v("rv_helix_endo_deg", s.rv_helix_endo_deg, "helix angle at the right ventricle's endocardium");
+    v("rv_helix_epi_deg", s.rv_helix_epi_deg, "helix angle at the right ventricle's epicardium");
+    v("outflow_helix_endo_deg", s.outflow_helix_endo_deg, "helix angle inside, at the aortic and the pulmonary valve");
+    v("outflow_helix_epi_deg", s.outflow_helix_epi_deg, "helix angle outside, at the aortic and the pulmonary valve");
+    v("lv_sheet_endo_deg", s.lv_sheet_endo_deg, "sheet angle at the left ventricle's endocardium");
+    v("lv_sheet_epi_deg", s.lv_sheet_epi_deg, "sheet angle at the left ventricle's epicardium");
+    v("rv_sheet_endo_deg", s.rv_sheet_endo_deg, "sheet angle at the right ventricle's endocardium");
+    v("rv_sheet_epi_deg", s.rv_sheet_epi_deg, "sheet angle at the right ventricle's epicardium");
+    v("la_mitral", s.la_mitral, "left atrium: bundle around the mitral valve above this value");
+    v("la_left_veins", s.la_left_veins, "left atrium: bundle around the left pulmonary veins below this value");
+    v("la_right_veins", s.la_right_veins, "left atrium: bundle around the right pulmonary veins above this value");
+    v("ra_tricuspid", s.ra_tricuspid, "right atrium: bundle around the tricuspid valve above this value");
+    v("ra_wall", s.ra_wall, "right atrium: roof and back wall below this value");
+    v("ra_inferior_cava", s.ra_inferior_cava, "right atrium: bundle around the inferior vena cava above this value");
+    v("ra_superior_cava", s.ra_superior_cava, "right atrium: bundle around the superior vena cava below this value");
+    v("ra_crista_low", s.ra_crista_low, "right atrium: crista terminalis above this value");
+    v("ra_crista_high", s.ra_crista_high, "right atrium: crista terminalis below this value");
+    v("ra_intercaval", s.ra_intercaval, "right atrium: intercaval bundle below this value");
+    v("ra_septum", s.ra_septum, "right atrium: septum above this value");
+  }
+};
+
+struct FiberSettings {
+  std::string method = "local_angles";  // "local_angles", "coordinates", "jacobian" (thesis 9.2) or "rule"
+  double grid_mm = 1.5;                 // spacing of the registration grid
+  double demons_sigma_mm = 2;           // smoothing of the displacement field
+  std::vector<int> demons_iterations = {60, 40, 15};  // per level, coarse to fine
+  int inpainting_iterations = 200;
+  double depth_grid_mm = 1;  // spacing of the grid for wall depth and directions, at most grid_mm
+  RuleSettings rule;         // section [fibers.rule]
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("method", s.method,
+      "how atlas fibres are carried: \"local_angles\", \"coordinates\" or \"jacobian\"; or \"rule\", without them");
     v("grid_mm", s.grid_mm, "spacing of the registration grid");
     v("demons_sigma_mm", s.demons_sigma_mm, "smoothing of the displacement field");
     v("demons_iterations", s.demons_iterations, "demons iterations per level, coarse to fine");
@@ -255,6 +338,7 @@ struct Recipe {
   std::vector<SegmentationStep> segmentation;  // default_segmentation() when the recipe gives none
   ChamberSettings chambers;
   EpicardiumSettings epicardium;
+  TorsoSettings torso;
   MeshSettings mesh;
   FiberSettings fibers;
   ValidationSettings validation;
@@ -271,8 +355,8 @@ Recipe read_recipe(const std::string& path);
 /// `file_names_only` drops the folders of the input paths (for the copy inside a bundle).
 std::string write_recipe(const Recipe& recipe, bool file_names_only);
 
-/// One section of it ("labels", "replace", "denoise", "segmentation", "chambers", "epicardium", "mesh", "fibers",
-/// "landmarks"): what a stage depends on.
+/// One section of it ("labels", "replace", "denoise", "segmentation", "chambers", "epicardium", "torso", "mesh",
+/// "fibers", "landmarks"): what a stage depends on.
 std::string recipe_section(const Recipe& recipe, std::string_view section);
 
 /// Seeds and planes from a JSON file as `heartgen phantom` and `heartgen landmarks` write it.

@@ -41,6 +41,8 @@ struct TetMesh {
   FiberField node_fibers;                  ///< empty, or per node
   FiberField cell_fibers;                  ///< empty, or per cell
   std::vector<std::uint8_t> fiber_source;  ///< FiberSource per node; empty where there are no fibres
+  std::vector<float>
+      rule_difference_deg;  ///< per cell: from cell_fibers.fiber to the rule's axis; -1: no such; or empty
 
   /// For a mesh cut out of a larger one of the same bundle (myocardium out of torso): ids there. Else empty.
   std::vector<std::int32_t> parent_node;

@@ -53,30 +53,74 @@ double axis_angle_deg(const Vec3& a, const Vec3& b) {
   return degrees * std::atan2(norm(cross(a, b)), std::abs(dot(a, b)));
 }
 
-/// Angles between the fibre axes at the ends of every edge of the ventricles' cells.
-std::vector<double> edge_jumps_deg(const TetMesh& mesh) {
+/// Angles between the fibre axes at the ends of edges of the ventricles' cells.
+struct EdgeTurns {
+  std::vector<double> jump_deg, turn_deg_per_mm;
+
+  void add(const TetMesh& mesh, std::int32_t a, std::int32_t b) {
+    const auto m = static_cast<std::size_t>(a), n = static_cast<std::size_t>(b);
+    jump_deg.push_back(axis_angle_deg(mesh.node_fibers.fiber[m], mesh.node_fibers.fiber[n]));
+    turn_deg_per_mm.push_back(jump_deg.back() / std::max(norm(mesh.nodes_mm[m] - mesh.nodes_mm[n]), 1e-9));
+  }
+};
+
+/// Of all edges, and of those with an end where the two ventricles' muscle meets.
+struct VentricleTurns {
+  EdgeTurns all, junction;
+};
+
+VentricleTurns edge_turns(const TetMesh& mesh) {
   std::vector<std::pair<std::int32_t, std::int32_t>> edges;
+  std::vector<std::uint8_t> sides(mesh.nodes_mm.size());
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     if (!ventricular(mesh.region[c])) continue;
+    for (const auto n : mesh.cells[c])
+      sides[static_cast<std::size_t>(n)] |= mesh.region[c] == tag(Region::lv_myocardium) ? 1 : 2;
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = a + 1; b < 4; ++b) edges.push_back(std::minmax(mesh.cells[c][a], mesh.cells[c][b]));
   }
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  std::vector<double> jumps;
-  jumps.reserve(edges.size());
-  for (const auto& [a, b] : edges)
-    jumps.push_back(axis_angle_deg(mesh.node_fibers.fiber[static_cast<std::size_t>(a)],
-                                   mesh.node_fibers.fiber[static_cast<std::size_t>(b)]));
-  return jumps;
+  VentricleTurns turns;
+  for (const auto& [a, b] : edges) {
+    turns.all.add(mesh, a, b);
+    if (sides[static_cast<std::size_t>(a)] == 3 || sides[static_cast<std::size_t>(b)] == 3)
+      turns.junction.add(mesh, a, b);
+  }
+  return turns;
 }
 
-void add_jump_rows(const TetMesh& mesh, Report& report) {
-  const auto jumps = edge_jumps_deg(mesh);
-  if (jumps.empty()) return;
-  report.push_back(row("ventricles", "neighbour_jump_p50", quantile(jumps, 0.5), "deg"));
-  report.push_back(row("ventricles", "neighbour_jump_p99", quantile(jumps, 0.99), "deg"));
-  report.push_back(row("ventricles", "neighbour_jump_max", *std::max_element(jumps.begin(), jumps.end()), "deg"));
+void add_jump_rows(const TetMesh& mesh, const RegistrationFigures& figures, Report& report) {
+  const auto [all, junction] = edge_turns(mesh);
+  if (all.jump_deg.empty()) return;
+  report.push_back(row("ventricles", "neighbour_jump_p50", quantile(all.jump_deg, 0.5), "deg"));
+  report.push_back(row("ventricles", "neighbour_jump_p99", quantile(all.jump_deg, 0.99), "deg"));
+  report.push_back(
+      row("ventricles", "neighbour_jump_max", *std::max_element(all.jump_deg.begin(), all.jump_deg.end()), "deg"));
+  report.push_back(row("ventricles", "neighbour_turn_p99", quantile(all.turn_deg_per_mm, 0.99), "deg/mm"));
+  if (figures.atlas_turn_p99_deg_per_mm)
+    report.push_back(row("atlas", "neighbour_turn_p99", *figures.atlas_turn_p99_deg_per_mm, "deg/mm"));
+  if (junction.jump_deg.empty()) return;
+  report.push_back(row("septum_junction", "neighbour_jump_p99", quantile(junction.jump_deg, 0.99), "deg"));
+  report.push_back(row("septum_junction", "neighbour_turn_p99", quantile(junction.turn_deg_per_mm, 0.99), "deg/mm"));
+}
+
+/// How far the cells' fibres are from those of the rule.
+void add_rule_rows(const TetMesh& mesh, Report& report) {
+  if (mesh.rule_difference_deg.size() != mesh.cells.size()) return;
+  for (const Region region : {Region::lv_myocardium, Region::rv_myocardium}) {
+    std::vector<double> known;
+    double sum = 0;
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+      if (mesh.region[c] != tag(region) || mesh.rule_difference_deg[c] < 0) continue;
+      known.push_back(double{mesh.rule_difference_deg[c]});
+      sum += known.back();
+    }
+    if (known.empty()) continue;
+    const std::string scope = region_name(tag(region));
+    report.push_back(row(scope, "rule_difference_mean", sum / static_cast<double>(known.size()), "deg"));
+    report.push_back(row(scope, "rule_difference_p95", quantile(known, 0.95), "deg"));
+  }
 }
 
 /// Shares of the ventricles' nodes by source.
@@ -150,6 +194,49 @@ std::vector<std::vector<double>> binned(const HelixSamples& samples, int bins) {
   return bin;
 }
 
+HelixSamples doubled(const DepthSamples& samples) {
+  return {{samples.depth.begin(), samples.depth.end()}, {samples.helix_deg.begin(), samples.helix_deg.end()}};
+}
+
+HelixProfile profile_of(const HelixSamples& samples, int bins) {
+  const auto bin = binned(samples, bins);
+  HelixProfile profile;
+  if (std::all_of(bin.begin(), bin.end(), [](const auto& b) { return b.empty(); })) return profile;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t b = 0; b < bin.size(); ++b) {
+    profile.depth.push_back((static_cast<double>(b) + 0.5) / bins);
+    profile.median_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.5));
+    profile.p10_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.1));
+    profile.p90_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.9));
+  }
+  return profile;
+}
+
+/// Median helix angle at depths from `low` to `high`.
+std::optional<double> helix_between(const DepthSamples& samples, double low, double high) {
+  std::vector<double> angles;
+  for (std::size_t n = 0; n < samples.depth.size(); ++n)
+    if (samples.depth[n] >= low && samples.depth[n] <= high) angles.push_back(double{samples.helix_deg[n]});
+  if (angles.empty()) return std::nullopt;
+  return axis_quantile(angles, 0.5);
+}
+
+/// Near the wall's two surfaces: the atlas's helix, and by how much what was carried from it differs. The outermost
+/// twentieth is left out: there, samples of a grid and nodes of a mesh do not lie alike.
+void add_atlas_rows(const std::string& scope, const DepthSamples& atlas, const DepthSamples& carried, Report& report) {
+  struct End {
+    const char *metric, *difference;
+    double low, high;
+  };
+  for (const auto& end : {End{"atlas_helix_endocardium", "helix_endocardium_off_atlas", 0.05, 0.2},
+                          End{"atlas_helix_epicardium", "helix_epicardium_off_atlas", 0.8, 0.95}}) {
+    const auto own = helix_between(atlas, end.low, end.high), ours = helix_between(carried, end.low, end.high);
+    if (!own || !ours) continue;
+    report.push_back(row(scope, end.metric, *own, "deg"));
+    report.push_back(row(scope, end.difference, std::abs(std::remainder(*ours - *own, 180.0)), "deg"));
+  }
+}
+
 /// Endocardium, middle and epicardium against ranges that hold all published human and canine hearts (Streeter 1969,
 /// Lombaert 2012) with room for the measure's own spread: a field that breaks them is wrong, not unusual.
 void add_helix_rows(const TetMesh& mesh, Region ventricle, Report& report) {
@@ -179,18 +266,10 @@ void add_registration_rows(const RegistrationFigures& figures, const ValidationS
 }  // namespace
 
 HelixProfile helix_profile(const TetMesh& myocardium, Region ventricle, int bins) {
-  const auto bin = binned(helix_samples(myocardium, ventricle), bins);
-  HelixProfile profile;
-  if (std::all_of(bin.begin(), bin.end(), [](const auto& b) { return b.empty(); })) return profile;
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t b = 0; b < bin.size(); ++b) {
-    profile.depth.push_back((static_cast<double>(b) + 0.5) / bins);
-    profile.median_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.5));
-    profile.p10_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.1));
-    profile.p90_deg.push_back(bin[b].empty() ? nan : axis_quantile(bin[b], 0.9));
-  }
-  return profile;
+  return profile_of(helix_samples(myocardium, ventricle), bins);
 }
+
+HelixProfile helix_profile(const DepthSamples& samples, int bins) { return profile_of(doubled(samples), bins); }
 
 Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figures, const ValidationSettings& settings) {
   Report report;
@@ -199,9 +278,12 @@ Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figure
   add_source_rows(myocardium, settings, report);
   add_registration_rows(figures, settings, report);
   if (!complete(myocardium.node_fibers, myocardium.nodes_mm.size())) return report;
-  add_jump_rows(myocardium, report);
+  add_jump_rows(myocardium, figures, report);
   for (const Region ventricle : {Region::lv_myocardium, Region::rv_myocardium})
     add_helix_rows(myocardium, ventricle, report);
+  add_atlas_rows("lv_myocardium", figures.atlas_lv, figures.carried_lv, report);
+  add_atlas_rows("rv_myocardium", figures.atlas_rv, figures.carried_rv, report);
+  add_rule_rows(myocardium, report);
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "model/depth_samples.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "model/report.hpp"
@@ -18,6 +19,9 @@ struct RegistrationFigures {
   std::optional<double> atlas_overlap{};    ///< Dice of the walls
   std::optional<double> second_mean_deg{};  ///< angles to the axes that the second best method carries
   std::optional<double> second_p95_deg{};
+  std::optional<double> atlas_turn_p99_deg_per_mm{};  ///< of the atlas's own axes along the edges of its cells
+  DepthSamples atlas_lv{}, atlas_rv{};                ///< helix angles of the atlas itself; empty where not known
+  DepthSamples carried_lv{}, carried_rv{};            ///< measured in the same way where they were carried to
 };
 
 /// Helix angle against wall depth: the angle between the fibre's projection on the wall's tangent plane and the
@@ -33,6 +37,9 @@ struct HelixProfile {
 /// `ventricle` is lv_myocardium or rv_myocardium. Depth is the solution of Laplace's equation on the mesh between the
 /// endocardial faces and the other faces of the region. Empty when the mesh lacks the faces, the region or the fibres.
 HelixProfile helix_profile(const TetMesh& myocardium, Region ventricle, int bins = 10);
+
+/// The same of samples; empty where there are none.
+HelixProfile helix_profile(const DepthSamples& samples, int bins = 10);
 
 /// Rows of group "fibers". `myocardium` carries node_fibers, cell_fibers and fiber_source.
 Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figures, const ValidationSettings& settings);

@@ -1,6 +1,7 @@
 // Shaded pictures of meshes: the boundary of the shown cells, drawn at twice the size and averaged down.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/labels.hpp"
 #include "validation/boundary_faces.hpp"
@@ -94,6 +95,10 @@ struct Painter {
     const std::int32_t region = mesh.region[static_cast<std::size_t>(cell)];
     if (options.color == MeshColor::plain) return all(Rgb{214, 206, 200});
     if (options.color == MeshColor::region) return all(region_color(region));
+    if (options.color == MeshColor::rule_difference) {
+      const float angle = mesh.rule_difference_deg[static_cast<std::size_t>(cell)];
+      return all(difference_color(angle < 0 ? std::numeric_limits<double>::quiet_NaN() : double{angle}));
+    }
     if (options.color == MeshColor::surface) {
       const std::int32_t surface = surface_of(face);
       return all(surface ? surface_color(surface) : region_color(region));

@@ -63,4 +63,9 @@ Rgb helix_color(double angle_deg) {
   return t < 0 ? mix(white, blue, -t) : mix(white, red, t);
 }
 
+Rgb difference_color(double angle_deg) {
+  constexpr double reddest_helix_per_deg = 75.0 / 60;
+  return helix_color(reddest_helix_per_deg * angle_deg);
+}
+
 }  // namespace heart::validation

@@ -40,7 +40,7 @@ PngBytes slice_picture(const CtVolume* ct, const LabelVolume* labels, SlicePlane
                        const SliceOptions& options = {});
 
 enum class View { front, back, left, below };
-enum class MeshColor { region, surface, helix_angle, plain };
+enum class MeshColor { region, surface, helix_angle, rule_difference, plain };
 
 /// Everything on the side of `point_mm` to which `normal` points is taken away.
 struct CutPlane {

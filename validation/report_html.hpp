@@ -9,6 +9,7 @@
 #include "model/report.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
+#include "validation/fiber_checks.hpp"
 #include "validation/mesh_topology.hpp"
 
 namespace heart::validation {
@@ -22,6 +23,7 @@ struct ReportInput {
   const FacesOfMeshes* faces = nullptr;                    ///< of these meshes; null: found here
   const Report* report = nullptr;                          ///< the certificate; null: none
 
+  HelixProfile atlas_lv, atlas_rv;  ///< of the atlas itself; empty: not known
   std::string atlas_name;
   bool atlas_is_standin = false;                            ///< the built-in synthetic atlas: said plainly at the top
   bool image_is_synthetic = false;                          ///< the phantom

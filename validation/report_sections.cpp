@@ -213,6 +213,25 @@ Pieces heart_pictures(const TetMesh& walls, const std::vector<MeshFace>& faces, 
   return pieces;
 }
 
+/// Where the fibres are those of a rule, and where they are not.
+Pieces rule_pictures(const TetMesh& walls, const std::vector<MeshFace>& faces, int width_px) {
+  Pieces pieces;
+  MeshPictureOptions options = mesh_options(width_px);
+  options.color = MeshColor::rule_difference;
+  options.edges = false;
+  options.regions = {tag(Region::lv_myocardium), tag(Region::rv_myocardium)};
+  MeshPictureOptions across = options;
+  across.cut = CutPlane{heart_frame(walls).center_mm, {0, 0, -1}};
+  add(pieces, "<h3>Against rule-based fibres</h3>\n<div class=\"row two\">\n");
+  const char* front = "Angle to rule-based fibres ([fibers.rule]): white 0, red 60 degrees and more.";
+  add_figure(pieces, front, true,
+             [&walls, &faces, options] { return mesh_picture(walls, faces, View::front, options); });
+  add_figure(pieces, "The same, cut across and seen from below.", true,
+             [&walls, &faces, across] { return mesh_picture(walls, faces, View::below, across); });
+  add(pieces, "</div>\n");
+  return pieces;
+}
+
 Pieces torso_pictures(const TetMesh& torso, const std::vector<MeshFace>& faces, const TetMesh* walls, int width_px) {
   Vec3 center;
   for (const Vec3& p : torso.nodes_mm) center += p / static_cast<double>(torso.nodes_mm.size());
@@ -239,8 +258,7 @@ void add_vessel(Pieces& pieces, const TetMesh& mesh, const std::vector<MeshFace>
              [&mesh, &faces, options] { return mesh_picture(mesh, faces, View::front, options); });
 }
 
-ProfileSeries profile_series(const TetMesh& walls, Region ventricle, const std::string& name) {
-  const HelixProfile p = helix_profile(walls, ventricle);
+ProfileSeries profile_series(const HelixProfile& p, const std::string& name) {
   return {name, p.depth, p.median_deg, p.p10_deg, p.p90_deg};
 }
 
@@ -292,10 +310,13 @@ std::string slices_lead(const ReportInput& input) {
   return html + legend(regions);
 }
 
-std::string helix_charts(const TetMesh& walls, const std::vector<double>& helix_deg) {
+std::string helix_charts(const ReportInput& input, const TetMesh& walls, const std::vector<double>& helix_deg) {
   std::string html = "<div class=\"row two\"><div class=\"card\"><h3>Helix angle through the wall</h3>";
-  html += helix_profile_svg({profile_series(walls, Region::lv_myocardium, "left ventricle"),
-                             profile_series(walls, Region::rv_myocardium, "right ventricle")});
+  std::vector<ProfileSeries> series = {profile_series(helix_profile(walls, Region::lv_myocardium), "left ventricle"),
+                                       profile_series(helix_profile(walls, Region::rv_myocardium), "right ventricle")};
+  if (!input.atlas_lv.depth.empty()) series.push_back(profile_series(input.atlas_lv, "atlas, left"));
+  if (!input.atlas_rv.depth.empty()) series.push_back(profile_series(input.atlas_rv, "atlas, right"));
+  html += helix_profile_svg(series);
   html += "</div><div class=\"card\"><h3>Helix angles of all nodes</h3>";
   std::vector<double> angles;
   for (const double a : helix_deg)
@@ -387,7 +408,9 @@ Pieces fibers_section(const ReportInput& input, const Shared& shared) {
     return fiber_picture(*walls, shared.faces_of("myocardium"), shared.helix_deg, options);
   });
   add(pieces, "</div>\n");
-  pieces.emplace_back([walls, &shared] { return helix_charts(*walls, shared.helix_deg); });
+  if (walls->rule_difference_deg.size() == walls->cells.size())
+    add(pieces, rule_pictures(*walls, shared.faces_of("myocardium"), input.picture_width_px));
+  pieces.emplace_back([&input, walls, &shared] { return helix_charts(input, *walls, shared.helix_deg); });
   return pieces;
 }
 

@@ -4,6 +4,7 @@
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
+#include <vtkFloatArray.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -40,6 +41,9 @@ vtkSmartPointer<Array> borrow_as(const char* name, const T* values, std::size_t 
 
 auto borrow(const char* name, const std::vector<double>& values) {
   return borrow_as<vtkDoubleArray>(name, values.data(), values.size(), 1);
+}
+auto borrow(const char* name, const std::vector<float>& values) {
+  return borrow_as<vtkFloatArray>(name, values.data(), values.size(), 1);
 }
 auto borrow(const char* name, const std::vector<Vec3>& values) {
   return borrow_as<vtkDoubleArray>(name, &values.data()->x, values.size(), 3);
@@ -173,6 +177,7 @@ void write_vtu(const std::filesystem::path& path, const TetMesh& mesh) {
   grid->SetCells(VTK_TETRA, cell_array(mesh.cells));
   add(grid->GetCellData(), "region", mesh.region);
   add_fibers(grid->GetCellData(), mesh.cell_fibers);
+  add(grid->GetCellData(), "rule_difference_deg", mesh.rule_difference_deg);
   add(grid->GetCellData(), "parent_cell", mesh.parent_cell);
   add_fibers(grid->GetPointData(), mesh.node_fibers);
   add(grid->GetPointData(), "fiber_source", mesh.fiber_source);

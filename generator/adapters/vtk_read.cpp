@@ -173,6 +173,7 @@ TetMesh read_vtu(const std::filesystem::path& path) {
   mesh.cell_fibers = read_fibers(path, on_cells, cells);
   mesh.node_fibers = read_fibers(path, on_nodes, nodes);
   mesh.fiber_source = scalars_of<std::uint8_t>(find_array(path, on_nodes, "fiber_source", 1, nodes));
+  mesh.rule_difference_deg = scalars_of<float>(find_array(path, on_cells, "rule_difference_deg", 1, cells));
   mesh.parent_node = scalars_of<std::int32_t>(find_array(path, on_nodes, "parent_node", 1, nodes));
   mesh.parent_cell = scalars_of<std::int32_t>(find_array(path, on_cells, "parent_cell", 1, cells));
   return mesh;

@@ -14,6 +14,7 @@
 #include "generator/app/resolutions.hpp"
 #include "generator/fibers/carry.hpp"
 #include "generator/labels/given_labels.hpp"
+#include "generator/labels/place_heart.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/segment/hierarchy.hpp"
 #include "model/tet_mesh.hpp"
@@ -33,16 +34,21 @@ inline auto members(Rim& r) { return std::tie(r.name, r.tag, r.nodes); }
 inline auto members(FiberField& f) { return std::tie(f.fiber, f.sheet, f.sheet_normal); }
 inline auto members(TetMesh& m) {
   return std::tie(m.nodes_mm, m.cells, m.region, m.faces, m.surface, m.rims, m.node_fibers, m.cell_fibers,
-                  m.fiber_source, m.parent_node, m.parent_cell);
+                  m.fiber_source, m.rule_difference_deg, m.parent_node, m.parent_cell);
 }
 inline auto members(Resolutions& r) { return std::tie(r.meshes, r.farthest_mm); }
 inline auto members(segment::SegmentationSide& s) {
   return std::tie(s.name, s.below, s.above, s.c_below, s.c_above, s.iterations);
 }
 inline auto members(labels::GivenLabels& g) { return std::tie(g.labels, g.remarks); }
+inline auto members(labels::TorsoPose& p) { return std::tie(p.torso_from_heart, p.scale, p.rms_mm, p.residual_mm); }
+inline auto members(DepthSamples& s) { return std::tie(s.depth, s.helix_deg); }
+inline auto members(fibers::AtlasFigures& f) {
+  return std::tie(f.atlas.lv, f.atlas.rv, f.carried.lv, f.carried.rv, f.turn_p99_deg_per_mm);
+}
 inline auto members(fibers::FiberResult& f) {
   return std::tie(f.node, f.cell, f.source, f.atlas_distance_mm, f.wall_depth, f.min_jacobian, f.affine_rms_mm,
-                  f.atlas_overlap, f.second_mean_deg, f.second_p95_deg, f.warnings);
+                  f.atlas_overlap, f.second_mean_deg, f.second_p95_deg, f.rule_difference_deg, f.figures, f.warnings);
 }
 
 struct Writer {

@@ -10,6 +10,7 @@
 #include "generator/app/mesh_certificate.hpp"
 #include "generator/app/resolutions.hpp"
 #include "generator/app/run.hpp"
+#include "generator/app/torso_stage.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/atlas/atlas.hpp"
 #include "generator/fibers/carry.hpp"
@@ -53,6 +54,7 @@ void check_recipe(const Recipe& recipe, const BuildOptions& options) {
   };
   InputSettings::describe(require("input"), recipe.input);
   ReplaceSettings::describe(require("replace"), recipe.replace);
+  check_torso(recipe.torso);
   labels::label_preset(recipe.labels.preset);
   if (!recipe.replace.landmarks.empty() && chambers_are_marked(recipe.landmarks))
     throw UserError("all chambers have seeds already, so that none are looked for", "replace.landmarks",
@@ -88,8 +90,9 @@ Vec3 carotid_seed(const Recipe& recipe) {
   return seed->second;
 }
 
-Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels) {
+Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels, const Grid* torso_grid) {
   Meshes meshes = mesh::mesh_heart(labels, recipe.mesh);
+  if (torso_grid != nullptr && meshes.contains("torso")) label_torso_cuts(meshes.at("torso"), *torso_grid);
   if (wants(recipe, "trachea") && labels::holds(labels, Region::trachea))
     meshes["trachea"] = mesh::mesh_vessel(region_mask(labels, Region::trachea), Region::trachea, recipe.mesh);
   if (wants(recipe, "carotid") && !recipe.input.carotid.empty()) {
@@ -109,6 +112,7 @@ TetMesh with_fibers(TetMesh myocardium, const fibers::FiberResult& result) {
   myocardium.node_fibers = result.node;
   myocardium.cell_fibers = result.cell;
   myocardium.fiber_source = result.source;
+  myocardium.rule_difference_deg = result.rule_difference_deg;
   return myocardium;
 }
 
@@ -133,16 +137,20 @@ std::vector<Region> needed_regions() {
   return {Region::lv_myocardium, Region::rv_myocardium, Region::lv_blood, Region::rv_blood};
 }
 
+validation::RegistrationFigures registration_figures(const fibers::FiberResult& fibers) {
+  const auto& figures = fibers.figures;
+  return {fibers.min_jacobian,   fibers.affine_rms_mm,        fibers.atlas_overlap, fibers.second_mean_deg,
+          fibers.second_p95_deg, figures.turn_p99_deg_per_mm, figures.atlas.lv,     figures.atlas.rv,
+          figures.carried.lv,    figures.carried.rv};
+}
+
 Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, const Meshes& meshes,
                    const validation::FacesOfMeshes& faces, const fibers::FiberResult& fibers) {
   ReportParts parts = {[&] { return validation::check_labels(labels, needed_regions()); }};
   for (auto& part : mesh_certificate(meshes, faces, labels, recipe.mesh, recipe.validation))
     parts.push_back(std::move(part));
   parts.emplace_back([&] {
-    return validation::check_fibers(meshes.at("myocardium"),
-                                    {fibers.min_jacobian, fibers.affine_rms_mm, fibers.atlas_overlap,
-                                     fibers.second_mean_deg, fibers.second_p95_deg},
-                                    recipe.validation);
+    return validation::check_fibers(meshes.at("myocardium"), registration_figures(fibers), recipe.validation);
   });
   parts.emplace_back([&] { return check_resolution_fibers(meshes, recipe.mesh, recipe.validation); });
   if (!ct.voxels.empty())
@@ -157,6 +165,11 @@ std::vector<exporters::BundleInput> hash_inputs(const Recipe& recipe) {
         if (!path.empty()) inputs.push_back(hash_input(key, path));
       },
       recipe.input);
+  TorsoSettings::describe_files(
+      [&](const char* key, const std::string& path, const char*) {
+        if (!path.empty()) inputs.push_back(hash_input(std::string("torso.") + key, path));
+      },
+      recipe.torso);
   return inputs;
 }
 
@@ -174,6 +187,7 @@ std::string time_log(const Run& run) {
                         time.from == From::cache  ? "  from the cache"
                         : time.from == From::file ? "  from a file"
                                                   : "");
+    for (const auto& [part, seconds] : time.parts) text += fmt::format("  {:<20} {:6.2f} s\n", part, seconds);
     total += time.seconds;
   }
   return text + fmt::format("{:<12} {:8.2f} s  on {} ranks\n", "all", total, run.comm.size);
@@ -204,7 +218,8 @@ std::string describe_atlas(const Recipe& recipe) {
 
 exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, Meshes meshes,
                               const fibers::FiberResult& fibers, const Resolutions& further,
-                              std::vector<exporters::BundleInput> inputs, std::vector<std::string> remarks) {
+                              std::vector<exporters::BundleInput> inputs, std::vector<std::string> remarks,
+                              const Report& pose) {
   exporters::Bundle bundle;
   bundle.name = recipe.name;
   bundle.version = recipe.version;
@@ -213,6 +228,7 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   bundle.date_published = recipe.date_published;
   bundle.recipe = write_recipe(recipe, true);
   bundle.atlas = describe_atlas(recipe);
+  bundle.torso_from_heart = recipe.torso.torso_from_heart;
   bundle.labels = labels;
   bundle.inputs = std::move(inputs);
   bundle.tools = tool_versions();
@@ -224,8 +240,11 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   bundle.metrics = all_metrics(recipe, ct, labels, bundle.meshes, faces, fibers);
   const Report distances = resolution_distances(further);
   bundle.metrics.insert(bundle.metrics.end(), distances.begin(), distances.end());
+  bundle.metrics.insert(bundle.metrics.end(), pose.begin(), pose.end());
   auto input = report_input(recipe, bundle, ct, lines);
   input.faces = &faces;
+  input.atlas_lv = validation::helix_profile(fibers.figures.atlas.lv);
+  input.atlas_rv = validation::helix_profile(fibers.figures.atlas.rv);
   bundle.report_html = validation::make_report(input);
   return bundle;
 }
@@ -247,8 +266,10 @@ std::vector<StagePlan> stage_plan(const Recipe& recipe, const labels::MissingGro
   add(parts, "chambers", 8);
   add(parts, "epicardium", 10);
   add(parts, "body", 5);
-  for (const StagePlan& stage : std::vector<StagePlan>{{"labels", 3}, {"mesh", 25}, {"fibers", 20}})
-    plan.push_back(stage);
+  add(true, "labels", 3);
+  add(recipe.torso.is_given(), "torso", recipe.torso.ct.empty() ? 3 : 30);
+  add(true, "mesh", 25);
+  add(true, "fibers", 20);
   add(!recipe.mesh.resolutions_mm.empty(), "resolutions", 20);
   add(true, "bundle", 8);
   return plan;
@@ -351,30 +372,39 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   run.files.grid = ct->grid;
   parallel::run_on_root(comm, [&] { check_seeds_inside(ct->grid, recipe.landmarks); });
   if (known.missing.chambers) recipe.landmarks = complete_landmarks(run, ct, recipe.landmarks, remarks);
-  const auto labels = label_ct(run, ct, recipe, known);
+  auto heart = label_ct(run, ct, recipe, known);
   parallel::run_on_root(comm, [&] {
-    refuse_empty_regions(*labels, recipe);
-    check_memory(*labels, recipe.mesh, machine_memory_bytes());
+    refuse_empty_regions(*heart, recipe);
+    check_memory(*heart, recipe.mesh, machine_memory_bytes());
     settle_replacements(run, recipe.replace, inputs, remarks);
   });
-  const auto meshes = run.root_stage("mesh", {labels.key, hash_of(inputs, "carotid"), mesh_section(recipe)},
-                                     [&] { return make_meshes(recipe, *labels); });
+  const auto torso_hash =
+      hash_of(inputs, "torso.ct") + hash_of(inputs, "torso.labels") + hash_of(inputs, "torso.landmarks");
+  const auto around = surround(run, heart, ct.value.grid, recipe, torso_hash, remarks);
+  const bool has_torso = recipe.torso.is_given();
+  const LabelVolume& labels = has_torso ? around->labels : *heart;
+  const auto& labels_key = has_torso ? around.key : heart.key;
+  const auto meshes = run.root_stage("mesh", {labels_key, hash_of(inputs, "carotid"), mesh_section(recipe)}, [&] {
+    return make_meshes(recipe, labels, has_torso ? &around->torso_grid : nullptr);
+  });
   const auto fibers = run.root_stage(
       "fibers",
       {meshes.key, hash_of(inputs, "atlas"), recipe_section(recipe, "landmarks"), recipe_section(recipe, "fibers")},
       [&] {
-        return fibers::carry_fibers(meshes->at("myocardium"), *labels, recipe.landmarks, read_atlas(recipe),
+        return fibers::carry_fibers(meshes->at("myocardium"), *heart, landmarks_in_bundle(recipe), read_atlas(recipe),
                                     recipe.fibers);
       });
+  for (const auto& part : fibers->part_times) run.times.back().parts.emplace_back(part.name, part.seconds);
   Staged<Resolutions> further;
   if (!recipe.mesh.resolutions_mm.empty())
-    further = run.root_stage("resolutions", {labels.key, fibers.key, recipe_section(recipe, "mesh")}, [&] {
-      return make_resolutions(*labels, recipe.mesh, with_fibers(meshes->at("myocardium"), *fibers));
+    further = run.root_stage("resolutions", {labels_key, fibers.key, recipe_section(recipe, "mesh")}, [&] {
+      return make_resolutions(*heart, recipe.mesh, with_fibers(meshes->at("myocardium"), *fibers));
     });
   BuildResult result;
   run.cache_folder.clear();  // the bundle itself is on disk: no second copy
   const auto content_id = run.root_stage("bundle", {}, [&] {
-    auto bundle = make_bundle(recipe, *ct, *labels, *meshes, *fibers, *further, inputs, remarks);
+    const Report pose = has_torso ? torso_rows(*around) : Report{};
+    auto bundle = make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, inputs, remarks, pose);
     bundle.logs["build.log"] = time_log(run);
     result.metrics = bundle.metrics;
     return exporters::write_bundle(bundle, options.output,

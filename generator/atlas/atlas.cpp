@@ -8,6 +8,7 @@
 
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/atlas/axis_tensor.hpp"
+#include "generator/atlas/exnode.hpp"
 #include "model/error.hpp"
 
 namespace heart::atlas {
@@ -107,6 +108,7 @@ FiberAtlas make_fiber_atlas(std::string name, std::vector<Vec3> points, std::vec
 }
 
 FiberAtlas read_fiber_atlas(const std::string& path) {
+  if (is_exnode_path(path)) return read_exnode_atlas(path);
   auto data = adapters::read_unstructured(path);
   const auto* vectors = preferred(data.point_vectors);
   if (!vectors) vectors = preferred(data.cell_vectors);

@@ -22,8 +22,9 @@ struct FiberAtlas {
 FiberAtlas make_fiber_atlas(std::string name, std::vector<Vec3> points, std::vector<Cell> cells,
                             const std::vector<Vec3>& vectors);
 
-/// Reads a .vtk (legacy) or .vtu file with tetrahedra and at least one array of vectors; an array whose name starts
-/// with "fib" is preferred to others, point arrays to cell arrays. Throws UserError, naming file and remedy.
+/// Reads .exnode and .exelem files (exnode.hpp), or a .vtk (legacy) or .vtu file with tetrahedra and at least one array
+/// of vectors; an array whose name starts with "fib" is preferred to others, point arrays to cell arrays. Throws
+/// UserError, naming file and remedy.
 FiberAtlas read_fiber_atlas(const std::string& path);
 
 }  // namespace heart::atlas

@@ -7,6 +7,7 @@
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/resample.hpp"
+#include "generator/atlas/standard_pose.hpp"
 #include "generator/atlas/ventricles.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
@@ -347,7 +348,7 @@ Volume<Vec3> voxel_fibers(const FiberAtlas& atlas, const Grid& grid) {
 }  // namespace
 
 AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm) {
-  const FiberAtlas standing = upright(atlas);
+  const FiberAtlas standing = upright(in_standard_pose(atlas));
   const Grid grid = grid_around(standing.points_mm, spacing_mm, margin_mm);
   const Mask wall = occupancy(standing, grid);
   const auto cavities = two_cavities(wall, atlas.name);
@@ -375,7 +376,7 @@ AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm) {
   image.fiber = voxel_fibers(standing, grid);
   const auto to_lv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::lv_wall); }));
   const auto to_rv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::rv_wall); }));
-  const double reach_mm = mixing_reach_mm(atlas);
+  const double reach_mm = mixing_reach_mm(standing);
   image.mixed = Mask(grid);
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
     image.mixed.voxels[v] = std::max(to_lv.voxels[v], to_rv.voxels[v]) < reach_mm;

@@ -8,6 +8,7 @@
 #include "generator/atlas/quadratic_continuation.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/corners.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -244,25 +245,15 @@ WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
 
 std::optional<WallPoint> wall_point(const WallCoordinates& c, const HeartFrame& frame, const Vec3& point_mm) {
   const Grid& g = c.known.grid;
-  const Vec3 index = index_from_lps(g, point_mm);
-  const Vec3 low{std::floor(index.x), std::floor(index.y), std::floor(index.z)};
   double total = 0, depth = 0, thickness = 0;
   Vec3 normal;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    std::int64_t at[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const bool upper = (corner >> axis) & 1;
-      const double fraction = index[axis] - low[axis];
-      weight *= upper ? fraction : 1 - fraction;
-      at[axis] = static_cast<std::int64_t>(low[axis]) + upper;
-    }
-    if (weight == 0 || !g.contains(at[0], at[1], at[2]) || !c.known(at[0], at[1], at[2])) continue;
+  for_corners(index_from_lps(g, point_mm), [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
+    if (weight == 0 || !g.contains(i, j, k) || !c.known(i, j, k)) return;
     total += weight;
-    depth += weight * c.depth(at[0], at[1], at[2]);
-    thickness += weight * c.thickness_mm(at[0], at[1], at[2]);
-    normal += weight * c.normal(at[0], at[1], at[2]);
-  }
+    depth += weight * c.depth(i, j, k);
+    thickness += weight * c.thickness_mm(i, j, k);
+    normal += weight * c.normal(i, j, k);
+  });
   if (total < 1e-3 || norm(normal) < 1e-6) return std::nullopt;
   WallPoint at;
   at.depth = std::clamp(depth / total, 0.0, 1.0);

@@ -5,31 +5,23 @@
 #include <cmath>
 
 #include "generator/parallel/threads.hpp"
+#include "model/corners.hpp"
 
 namespace heart::atlas {
 namespace {
 
 /// The label with the largest share of the eight voxels around a point, each weighted as in linear interpolation.
 std::uint8_t label_at(const LabelVolume& labels, const Vec3& lps_mm) {
-  const Vec3 index = index_from_lps(labels.grid, lps_mm);
-  const Vec3 low{std::floor(index.x), std::floor(index.y), std::floor(index.z)};
   std::array<std::uint8_t, 8> label{};
   std::array<double, 8> share{};
   std::size_t count = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    std::int64_t at[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const bool upper = (corner >> axis) & 1;
-      const double fraction = index[axis] - low[axis];
-      weight *= upper ? fraction : 1 - fraction;
-      at[axis] = static_cast<std::int64_t>(low[axis]) + upper;
-    }
-    const auto value = labels.grid.contains(at[0], at[1], at[2]) ? labels(at[0], at[1], at[2]) : std::uint8_t{0};
+  const Vec3 index = index_from_lps(labels.grid, lps_mm);
+  for_corners(index, [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
+    const auto value = labels.grid.contains(i, j, k) ? labels(i, j, k) : std::uint8_t{0};
     const auto slot = static_cast<std::size_t>(std::find(label.begin(), label.begin() + count, value) - label.begin());
     if (slot == count) label[count++] = value;
     share[slot] += weight;
-  }
+  });
   return label[static_cast<std::size_t>(std::max_element(share.begin(), share.begin() + count) - share.begin())];
 }
 
@@ -37,8 +29,8 @@ std::uint8_t label_at(const LabelVolume& labels, const Vec3& lps_mm) {
 
 Vec3 voxel_center(const Grid& grid, std::int64_t v) {
   const auto nx = grid.size[0], ny = grid.size[1];
-  return lps_from_index(
-      grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny), static_cast<double>(v / (nx * ny))});
+  const std::int64_t i = v % nx, j = v / nx % ny, k = v / (nx * ny);
+  return lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
 }
 
 Grid isotropic_grid_around(const LabelVolume& labels, const std::function<bool(std::uint8_t)>& wanted,

@@ -193,16 +193,25 @@ std::map<std::string, Opening> openings_of(const LabelVolume& labels, const Land
   return openings;
 }
 
+/// How far to the side of a valve the muscle still ends at it, as at a cut. The fibrous plate of an inlet closes the
+/// whole base, but farther out only a slab says so: beyond that height other walls may stand there. A root is a tube in
+/// its own wall, and what it does not cover has an outer surface towards its neighbours.
+bool lies_beyond(const Opening& opening, bool inlet, const Vec3& p) {
+  constexpr double inlet_rim_mm = 12, plate_rim_mm = 30, plate_height_mm = 6, root_rim_mm = 4;
+  const Vec3 d = p - opening.center_mm;
+  const double height = dot(d, opening.normal);
+  if (height <= 0) return false;
+  const double outside_mm = norm(d - height * opening.normal) - opening.radius_mm;
+  if (!inlet) return outside_mm < root_rim_mm;
+  return outside_mm < inlet_rim_mm || (outside_mm < plate_rim_mm && height < plate_height_mm);
+}
+
 /// Only what lies beyond a valve is no epicardium: muscle that faces it ends there as at a cut. Where atria and vessels
 /// lie upon a ventricle, its wall has its outer surface like anywhere else.
 void close_base(Volume<std::uint8_t>& parts, const std::map<std::string, Opening>& openings) {
-  constexpr double rim_mm = 12;  // of muscle around a valve
   const auto beyond = [&](const Vec3& p) {
     return std::any_of(openings.begin(), openings.end(), [&](const auto& named) {
-      const Opening& opening = named.second;
-      const Vec3 d = p - opening.center_mm;
-      const double height = dot(d, opening.normal);
-      return height > 0 && norm(d - height * opening.normal) < opening.radius_mm + rim_mm;
+      return lies_beyond(named.second, named.first == "mitral" || named.first == "tricuspid", p);
     });
   };
   parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {

@@ -4,13 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 
 #include "generator/atlas/distance_map.hpp"
+#include "generator/fibers/atrial_rule.hpp"
 #include "generator/fibers/frame.hpp"
 #include "generator/fibers/hearts.hpp"
 #include "generator/fibers/inpaint.hpp"
 #include "generator/fibers/rule.hpp"
+#include "generator/fibers/steep_cells.hpp"
+#include "generator/fibers/ventricle_rule.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -77,8 +81,7 @@ Vec3 radial(const atlas::HeartFrame& frame, const Vec3& point_mm) {
   return norm(r) > 1e-6 ? normalized(r) : frame.rv_side;
 }
 
-/// Fibre axes and wall normals of the ventricles' nodes; what could not be carried is inpainted along the mesh's
-/// edges, and what even that cannot reach circles the long axis.
+/// Fibre axes and wall normals of the ventricles' nodes; what could not be carried is inpainted along the mesh's edges.
 void set_ventricles(const Hearts& hearts, const TetMesh& mesh, const NodeKinds& kinds, const PointWalls& walls,
                     std::vector<AxisTensor> axes, int iterations, NodeDirections& directions, FiberResult& result) {
   std::vector<std::uint8_t> missing(axes.size()), use(mesh.cells.size());
@@ -97,38 +100,61 @@ void set_ventricles(const Hearts& hearts, const TetMesh& mesh, const NodeKinds& 
   for (std::size_t n = 0; n < axes.size(); ++n) {
     if (!kinds.ventricle[n]) continue;
     directions.fiber[n] = atlas::leading_axis(axes[n]);
-    if (norm(directions.fiber[n]) > 0.5) continue;
-    directions.fiber[n] = cross(hearts.patient.frame.long_axis, radial(hearts.patient.frame, mesh.nodes_mm[n]));
-    result.source[n] = static_cast<std::uint8_t>(FiberSource::rule);
   }
 }
 
-void set_rule(const std::vector<std::int32_t>& nodes, const std::vector<RuleAxis>& axes, NodeDirections& directions,
+/// At the wanted nodes where the rule has an axis.
+void set_rule(const RuleField& rule, const std::vector<std::uint8_t>& wanted, NodeDirections& directions,
               FiberResult& result) {
-  for (std::size_t n = 0; n < nodes.size(); ++n) {
-    const auto node = static_cast<std::size_t>(nodes[n]);
-    directions.fiber[node] = axes[n].fiber;
-    directions.transmural[node] = axes[n].transmural;
+  for (std::size_t n = 0; n < rule.nodes.size(); ++n) {
+    const auto node = static_cast<std::size_t>(rule.nodes[n]);
+    if (!wanted[node] || rule.axes[n].fiber == Vec3{}) continue;
+    directions.fiber[node] = rule.axes[n].fiber;
+    directions.transmural[node] = rule.axes[n].transmural;
     result.source[node] = static_cast<std::uint8_t>(FiberSource::rule);
   }
 }
 
-void set_by_rule(const TetMesh& mesh, const NodeKinds& kinds, const LabelVolume& labels, const Landmarks& landmarks,
-                 const Vec3& long_axis, NodeDirections& directions, FiberResult& result) {
-  const auto papillary = chosen(kinds.papillary);
-  set_rule(papillary, papillary_axes(mesh, papillary, long_axis), directions, result);
-  for (const bool left : {true, false}) {
-    const auto nodes = chosen(left ? kinds.left_atrium : kinds.right_atrium);
-    std::vector<Vec3> points;
-    for (const auto n : nodes) points.push_back(mesh.nodes_mm[static_cast<std::size_t>(n)]);
-    set_rule(nodes, atrial_axes(labels, landmarks, left, points), directions, result);
+void set_cells(const RuleField& rule, FiberField& cell) {
+  for (std::size_t n = 0; n < rule.cells.size(); ++n) {
+    const auto c = static_cast<std::size_t>(rule.cells[n]);
+    if (rule.cell_axes[n].fiber == Vec3{}) continue;
+    const auto axes = material_axes(rule.cell_axes[n].fiber, rule.cell_axes[n].transmural);
+    cell.fiber[c] = axes.fiber;
+    cell.sheet[c] = axes.sheet;
+    cell.sheet_normal[c] = axes.sheet_normal;
   }
 }
 
+/// Papillary muscles, atria, and what the atlas reached in no way; where the rule knows none either, fibres circle the
+/// long axis.
+void set_by_rule(const TetMesh& mesh, const NodeKinds& kinds, const RuleField& ventricles,
+                 const atlas::HeartFrame& frame, const RuleSettings& settings, NodeDirections& directions,
+                 FiberResult& result) {
+  const auto papillary = chosen(kinds.papillary);
+  set_rule({papillary, papillary_axes(mesh, papillary, frame.long_axis)}, kinds.papillary, directions, result);
+  set_rule(atrial_rule(mesh, true, settings), kinds.left_atrium, directions, result);
+  set_rule(atrial_rule(mesh, false, settings), kinds.right_atrium, directions, result);
+  auto unreached = kinds.ventricle;
+  for (std::size_t n = 0; n < unreached.size(); ++n) unreached[n] &= norm(directions.fiber[n]) < 0.5;
+  set_rule(ventricles, unreached, directions, result);
+  for (std::size_t n = 0; n < unreached.size(); ++n) {
+    if (norm(directions.fiber[n]) > 0.5) continue;
+    directions.fiber[n] = cross(frame.long_axis, radial(frame, mesh.nodes_mm[n]));
+    result.source[n] = static_cast<std::uint8_t>(FiberSource::rule);
+  }
+}
+
+void set_frames(const TetMesh& mesh, const NodeDirections& directions, FiberResult& result) {
+  result.node = node_frames(directions.fiber, directions.transmural);
+  result.cell = cell_frames(mesh, result.node);
+}
+
 void check_settings(const TetMesh& mesh, const FiberSettings& settings) {
-  if (settings.method != "local_angles" && settings.method != "coordinates" && settings.method != "jacobian")
+  if (settings.method != "local_angles" && settings.method != "coordinates" && settings.method != "jacobian" &&
+      settings.method != "rule")
     throw UserError(fmt::format("unknown method \"{}\"", settings.method), "fibers.method",
-                    "use \"local_angles\", \"coordinates\" or \"jacobian\"");
+                    "use \"local_angles\", \"coordinates\", \"jacobian\" or \"rule\"");
   if (!(settings.grid_mm >= 0.3 && settings.grid_mm <= 6) || !(settings.depth_grid_mm >= 0.3) ||
       settings.depth_grid_mm > settings.grid_mm)
     throw UserError("the grids of the fibre stage are out of range", "fibers.grid_mm, fibers.depth_grid_mm",
@@ -190,29 +216,62 @@ std::vector<std::string> warnings_of(const Hearts& hearts, const FiberResult& re
   return warnings;
 }
 
+/// Notes how long each part took, from the one before it.
+struct PartClock {
+  std::vector<PartTime> times{};
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  void done(const char* name) {
+    const auto now = std::chrono::steady_clock::now();
+    times.push_back({name, std::chrono::duration<double>(now - start).count()});
+    start = now;
+  }
+};
+
 }  // namespace
 
 FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, const Landmarks& landmarks,
                          const atlas::FiberAtlas& atlas, const FiberSettings& settings) {
   check_settings(mesh, settings);
-  const Hearts hearts = prepare_hearts(patient_labels, landmarks, atlas::image_of_atlas(atlas, settings.depth_grid_mm),
-                                       atlas.name, settings);
+  PartClock clock;
+  auto image = atlas::image_of_atlas(atlas, settings.depth_grid_mm);
+  clock.done("atlas as an image");
+  const Hearts hearts = prepare_hearts(patient_labels, landmarks, std::move(image), atlas.name, settings);
+  clock.done("alignment");
   const NodeKinds kinds = node_kinds(mesh);
   const PointWalls walls = point_walls(hearts, mesh.nodes_mm, kinds.ventricle);
   const std::size_t count = mesh.nodes_mm.size();
   const auto atlas_mm = atlas_positions(hearts, mesh.nodes_mm);
+  clock.done("depth and place");
 
   FiberResult result;
   result.source.assign(count, static_cast<std::uint8_t>(FiberSource::none));
   result.wall_depth.assign(count, -1);
   set_atlas_distances(hearts, kinds, atlas_mm, result);
   NodeDirections directions{std::vector<Vec3>(count, {1, 0, 0}), std::vector<Vec3>(count, {0, 0, 1})};
-  auto axes = carried_axes(hearts, walls, mesh.nodes_mm, atlas_mm, settings.method);
-  compare_with_second(hearts, walls, mesh.nodes_mm, atlas_mm, axes, settings.method, result);
+  const bool by_rule = settings.method == "rule";
+  const std::string carried = by_rule ? "local_angles" : settings.method;
+  auto axes = carried_axes(hearts, walls, mesh.nodes_mm, atlas_mm, carried);
+  clock.done("carrying");
+  compare_with_second(hearts, walls, mesh.nodes_mm, atlas_mm, axes, carried, result);
+  clock.done("second method");
   set_ventricles(hearts, mesh, kinds, walls, std::move(axes), settings.inpainting_iterations, directions, result);
-  set_by_rule(mesh, kinds, patient_labels, landmarks, hearts.patient.frame.long_axis, directions, result);
-  result.node = node_frames(directions.fiber, directions.transmural);
-  result.cell = cell_frames(mesh, result.node);
+  auto from_atlas = kinds.ventricle;
+  for (std::size_t n = 0; n < count; ++n)
+    from_atlas[n] &= result.source[n] == static_cast<std::uint8_t>(FiberSource::atlas);
+  result.figures = atlas_figures(hearts, atlas, walls, directions.fiber, from_atlas);
+  clock.done("inpainting, figures");
+  const RuleField rule = ventricle_rule(mesh, hearts.patient.frame, settings.rule);
+  set_by_rule(mesh, kinds, rule, hearts.patient.frame, settings.rule, directions, result);
+  set_frames(mesh, directions, result);
+  carry_to_steep_cells(hearts, mesh, result.node, carried, result.cell);
+  result.rule_difference_deg = differences_deg(result.cell.fiber, rule);
+  if (by_rule) {
+    set_rule(rule, kinds.ventricle, directions, result);
+    set_frames(mesh, directions, result);
+    set_cells(rule, result.cell);
+  }
+  clock.done("rule, frames");
+  result.part_times = std::move(clock.times);
   result.min_jacobian = hearts.registration.min_jacobian;
   result.affine_rms_mm = hearts.registration.pose.rms_mm;
   result.atlas_overlap = hearts.registration.wall_overlap;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "generator/atlas/atlas.hpp"
+#include "generator/fibers/atlas_figures.hpp"
 #include "model/landmarks.hpp"
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
@@ -13,18 +14,27 @@
 
 namespace heart::fibers {
 
+/// How long one part of the work took.
+struct PartTime {
+  std::string name;
+  double seconds = 0;
+};
+
 struct FiberResult {
-  FiberField node;                       ///< per node of the mesh, unit and mutually orthogonal to 1e-12
-  FiberField cell;                       ///< per cell
-  std::vector<std::uint8_t> source;      ///< FiberSource per node; never `none` on myocardium
-  std::vector<float> atlas_distance_mm;  ///< per node: to the nearest warped atlas sample; -1 where not ventricular
-  std::vector<float> wall_depth;         ///< per node: 0 at the endocardium, 1 at the epicardium; -1 where unknown
-  double min_jacobian = 0;               ///< smallest Jacobian of the warp on its grid; > 0: it folds nowhere
-  double affine_rms_mm = 0;              ///< misfit of the clipped distance maps after the affine step
-  double atlas_overlap = 0;              ///< Dice of the ventricular walls after the warp
-  double second_mean_deg = 0;            ///< mean angle between the chosen method's axes and the second best's, and its
-  double second_p95_deg = 0;             ///< 95th percentile, over the ventricles' nodes where both have an axis
-  std::vector<std::string> warnings;     ///< what a reader of the certificate should look at
+  FiberField node;                         ///< per node of the mesh, unit and mutually orthogonal to 1e-12
+  FiberField cell;                         ///< per cell
+  std::vector<std::uint8_t> source;        ///< FiberSource per node; never `none` on myocardium
+  std::vector<float> atlas_distance_mm;    ///< per node: to the nearest warped atlas sample; -1 where not ventricular
+  std::vector<float> wall_depth;           ///< per node: 0 at the endocardium, 1 at the epicardium; -1 where unknown
+  std::vector<float> rule_difference_deg;  ///< per cell: from the carried axis to the rule's; -1 where there is none
+  AtlasFigures figures;                    ///< the atlas's own fibres beside those carried from it
+  double min_jacobian = 0;                 ///< smallest Jacobian of the warp on its grid; > 0: it folds nowhere
+  double affine_rms_mm = 0;                ///< misfit of the clipped distance maps after the affine step
+  double atlas_overlap = 0;                ///< Dice of the ventricular walls after the warp
+  double second_mean_deg = 0;         ///< mean angle between the chosen method's axes and the second best's, and its
+  double second_p95_deg = 0;          ///< 95th percentile, over the ventricles' nodes where both have an axis
+  std::vector<std::string> warnings;  ///< what a reader of the certificate should look at
+  std::vector<PartTime> part_times;   ///< in the order of the work; for logs only, never cached
 };
 
 /// `patient_labels`: tags of labels.hpp with at least lv_myocardium, rv_myocardium, lv_blood and rv_blood.

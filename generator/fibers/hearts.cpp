@@ -140,6 +140,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
     throw UserError("the atlas has no fibres in one of the ventricles", atlas_name,
                     "a fibre atlas is a mesh of both ventricles with one vector per point or per cell");
   check_handedness(lv, atlas_name);
+  hearts.atlas_depth = {std::move(lv.depth), std::move(rv.depth)};
   hearts.by_place = {std::move(lv.by_place), std::move(rv.by_place)};
   hearts.by_coordinates = {std::move(lv.by_coordinates), std::move(rv.by_coordinates)};
   hearts.patient = atlas::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm);

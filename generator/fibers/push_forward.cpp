@@ -1,33 +1,23 @@
 #include "generator/fibers/push_forward.hpp"
 
-#include <cmath>
-
 #include "generator/parallel/threads.hpp"
+#include "model/corners.hpp"
 
 namespace heart::fibers {
 namespace {
 
 /// Trilinear mean of the dyads of the voxels that have one; zero where they hold less than half of the weight.
 atlas::AxisTensor atlas_tensor(const Volume<Vec3>& fiber, const Vec3& atlas_mm) {
-  const Vec3 index = index_from_lps(fiber.grid, atlas_mm);
-  const Vec3 low{std::floor(index.x), std::floor(index.y), std::floor(index.z)};
   atlas::AxisTensor sum;
   double total = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    std::int64_t at[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const bool upper = (corner >> axis) & 1;
-      const double fraction = index[axis] - low[axis];
-      weight *= upper ? fraction : 1 - fraction;
-      at[axis] = static_cast<std::int64_t>(low[axis]) + upper;
-    }
-    if (weight == 0 || !fiber.grid.contains(at[0], at[1], at[2])) continue;
-    const Vec3 f = fiber(at[0], at[1], at[2]);
-    if (norm(f) < 0.5) continue;
+  const Vec3 index = index_from_lps(fiber.grid, atlas_mm);
+  for_corners(index, [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
+    if (weight == 0 || !fiber.grid.contains(i, j, k)) return;
+    const Vec3 f = fiber(i, j, k);
+    if (norm(f) < 0.5) return;
     sum += weight * atlas::axis_tensor(f);
     total += weight;
-  }
+  });
   return total >= 0.5 ? sum : atlas::AxisTensor{};
 }
 

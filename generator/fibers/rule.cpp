@@ -2,11 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "generator/atlas/axis_tensor.hpp"
-#include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/point_tree.hpp"
-#include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
 
@@ -51,56 +50,19 @@ RuleAxis local_muscle_axis(const PointCloud& cloud, const atlas::PointTree& tree
   return {fiber, unit_or(orthogonal_part(at - middle, fiber), any_orthogonal(fiber))};
 }
 
-/// The atrium's blood on a grid of its own.
-struct Chamber {
-  LevelSet distance;
-  Vec3 middle_mm, valve_mm;
-};
-
-Chamber chamber_of(const LabelVolume& labels, const Landmarks& landmarks, bool left) {
-  constexpr double spacing_mm = 2, margin_mm = 12, smoothing_voxels = 2;
-  const auto blood = tag(left ? Region::la_blood : Region::ra_blood);
-  const auto wall = tag(left ? Region::la_wall : Region::ra_wall);
-  const auto ventricle = tag(left ? Region::lv_blood : Region::rv_blood);
-  const auto local =
-      atlas::resampled(labels, atlas::isotropic_grid_around(
-                                   labels, [&](auto v) { return v == blood || v == wall; }, spacing_mm, margin_mm));
-  Chamber chamber;
-  const Mask mask = atlas::mask_where(local, [&](auto v) { return v == blood; });
-  chamber.distance = atlas::signed_distance(mask, smoothing_voxels);
-  const auto to_ventricle = atlas::distance_to(atlas::mask_where(local, [&](auto v) { return v == ventricle; }));
-  Vec3 sum, contact;
-  double count = 0, contacts = 0;
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) {
-    if (!mask.voxels[v]) continue;
-    const Vec3 p = atlas::voxel_center(local.grid, static_cast<std::int64_t>(v));
-    sum += p;
-    ++count;
-    if (to_ventricle.voxels[v] > 1.5 * spacing_mm) continue;
-    contact += p;
-    ++contacts;
-  }
-  chamber.middle_mm = count > 0 ? sum / count : lps_from_index(local.grid, {0, 0, 0});
-  const auto valve = landmarks.valves.find(left ? "mitral" : "tricuspid");
-  chamber.valve_mm = valve != landmarks.valves.end() ? valve->second.center_mm
-                     : contacts > 0                  ? contact / contacts
-                                                     : chamber.middle_mm - Vec3{0, 0, 1};
-  return chamber;
-}
-
-Vec3 outward(const Chamber& chamber, const Vec3& at) {
-  const Vec3 index = index_from_lps(chamber.distance.grid, at);
-  Vec3 slope;
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 low = index, high = index;
-    low[axis] -= 0.5;
-    high[axis] += 0.5;
-    slope[axis] = sample_linear(chamber.distance, high) - sample_linear(chamber.distance, low);
-  }
-  return unit_or(slope, unit_or(at - chamber.middle_mm, {0, 0, 1}));
-}
-
 }  // namespace
+
+std::vector<float> differences_deg(const std::vector<Vec3>& cell_axes, const RuleField& rule) {
+  std::vector<float> result(cell_axes.size(), -1.0F);
+  for (std::size_t n = 0; n < rule.cells.size(); ++n) {
+    const auto c = static_cast<std::size_t>(rule.cells[n]);
+    const Vec3 &ours = cell_axes[c], &rules = rule.cell_axes[n].fiber;
+    if (ours == Vec3{} || rules == Vec3{}) continue;
+    result[c] =
+        static_cast<float>(std::atan2(norm(cross(ours, rules)), std::abs(dot(ours, rules))) * 180 / std::numbers::pi);
+  }
+  return result;
+}
 
 std::vector<RuleAxis> papillary_axes(const TetMesh& mesh, const std::vector<std::int32_t>& nodes,
                                      const Vec3& long_axis) {
@@ -112,19 +74,6 @@ std::vector<RuleAxis> papillary_axes(const TetMesh& mesh, const std::vector<std:
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
       result[n] = local_muscle_axis(cloud, tree, mesh.nodes_mm[static_cast<std::size_t>(nodes[n])], long_axis);
   });
-  return result;
-}
-
-std::vector<RuleAxis> atrial_axes(const LabelVolume& labels, const Landmarks& landmarks, bool left,
-                                  const std::vector<Vec3>& points_mm) {
-  std::vector<RuleAxis> result(points_mm.size());
-  if (points_mm.empty()) return result;
-  const Chamber chamber = chamber_of(labels, landmarks, left);
-  const Vec3 to_roof = unit_or(chamber.middle_mm - chamber.valve_mm, {0, 0, 1});
-  for (std::size_t n = 0; n < points_mm.size(); ++n) {
-    const Vec3 transmural = outward(chamber, points_mm[n]);
-    result[n] = {unit_or(cross(transmural, to_roof), any_orthogonal(transmural)), transmural};
-  }
   return result;
 }
 

@@ -38,6 +38,7 @@ void expect_equal(const TetMesh& a, const TetMesh& b) {
   EXPECT_EQ(a.fiber_source, b.fiber_source);
   EXPECT_EQ(a.parent_node, b.parent_node);
   EXPECT_EQ(a.parent_cell, b.parent_cell);
+  EXPECT_EQ(a.rule_difference_deg, b.rule_difference_deg);
   ASSERT_EQ(a.rims.size(), b.rims.size());
   for (std::size_t r = 0; r < a.rims.size(); ++r) {
     EXPECT_EQ(a.rims[r].name, b.rims[r].name);

@@ -121,10 +121,10 @@ TEST(CarryFibers, PoseSizeAndUnitOfTheAtlasDoNotMatter) {
   const auto turned = moved_atlas(matrix, {0.01, 0.2, -0.035});
   EXPECT_EQ(turned.unit_in_mm, 1000);
   const auto result = carry_fibers(patient().mesh, patient().labels, {}, turned, quick_settings());
-  // A turned atlas falls on other voxels of its image; beyond that the error must not grow.
-  EXPECT_LT(mean_difference_deg(result.node.fiber, plain_result().node.fiber), 4);
-  EXPECT_LT(mean_error_deg(result, Region::lv_myocardium), mean_error_deg(plain_result(), Region::lv_myocardium) + 1);
-  EXPECT_LT(mean_error_deg(result, Region::rv_myocardium), mean_error_deg(plain_result(), Region::rv_myocardium) + 2);
+  // The same image but for voxels whose centres rounding puts on the other side of a surface.
+  EXPECT_LT(mean_difference_deg(result.node.fiber, plain_result().node.fiber), 0.3);
+  for (const Region wall : {Region::lv_myocardium, Region::rv_myocardium})
+    EXPECT_NEAR(mean_error_deg(result, wall), mean_error_deg(plain_result(), wall), 0.3);
 }
 
 TEST(CarryFibers, PushedVectorsAreInpaintedWhereTheAtlasDoesNotReach) {

@@ -55,6 +55,15 @@ TEST(Recipe, WrongTypesSayWhatIsExpected) {
   EXPECT_NE(refusal("[landmarks.seeds_mm]\nlv_blood = [1, 2]\n").problem.find("three numbers"), std::string::npos);
 }
 
+TEST(Recipe, AnglesOfTheRuleAreASectionOfTheirOwn) {
+  const Recipe recipe = read_recipe(recipe_file("[fibers]\ngrid_mm = 2\n[fibers.rule]\nrv_helix_endo_deg = 75\n"));
+  EXPECT_EQ(recipe.fibers.grid_mm, 2);
+  EXPECT_EQ(recipe.fibers.rule.rv_helix_endo_deg, 75);
+  EXPECT_NE(refusal("[fibers.rule]\nrv_helix_end_deg = 75\n").remedy.find("rv_helix_endo_deg"), std::string::npos);
+  Recipe written = read_recipe(recipe_file(write_recipe(recipe, true)));
+  EXPECT_EQ(written.fibers.rule.rv_helix_endo_deg, 75);
+}
+
 TEST(Recipe, BrokenTomlNamesTheLine) {
   EXPECT_NE(refusal("name = \"a\"\n[mesh\n").where.find(":2"), std::string::npos);
 }

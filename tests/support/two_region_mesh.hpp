@@ -79,6 +79,7 @@ inline TetMesh two_region_mesh(int n, Region other = Region::lv_blood) {
   }
   for (const auto& cell : mesh.cells) {
     append_axes(mesh.cell_fibers, mesh.nodes_mm[static_cast<std::size_t>(cell[0])]);
+    mesh.rule_difference_deg.push_back(static_cast<float>(mesh.rule_difference_deg.size() % 90));
     mesh.parent_cell.push_back(static_cast<std::int32_t>(mesh.parent_cell.size()) + 5000);
   }
   return mesh;

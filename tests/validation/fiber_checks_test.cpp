@@ -164,6 +164,46 @@ TEST(CheckFibers, AMeshWithoutFibersFailsWithoutCrashing) {
   EXPECT_FALSE(all_passed(check_fibers(mesh, {}, {})));
 }
 
+TEST(CheckFibers, TellsTheDistanceToTheRuleOverTheCellsThatHaveOne) {
+  auto mesh = pipe();
+  mesh.rule_difference_deg.assign(mesh.cells.size(), 12);
+  for (std::size_t c = 0; c < mesh.cells.size(); c += 2) mesh.rule_difference_deg[c] = -1;
+  const auto report = check_fibers(mesh, {}, {});
+  EXPECT_NEAR(find(report, "lv_myocardium", "rule_difference_mean").value, 12, 1e-6);
+  EXPECT_NEAR(find(report, "lv_myocardium", "rule_difference_p95").value, 12, 1e-6);
+}
+
+TEST(CheckFibers, ABreakWhereTheVentriclesMeetShows) {
+  auto mesh = pipe();
+  const auto low = [&](const Cell& cell) { return mesh.nodes_mm[static_cast<std::size_t>(cell[0])].z < 60; };
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (low(mesh.cells[c])) mesh.region[c] = tag(Region::rv_myocardium);
+  const double whole = find(check_fibers(mesh, {}, {}), "septum_junction", "neighbour_jump_p99").value;
+  for (std::size_t n = 0; n < mesh.nodes_mm.size(); ++n)
+    if (mesh.nodes_mm[n].z < 59) mesh.node_fibers.fiber[n] = mesh.node_fibers.sheet_normal[n];
+  const auto broken = check_fibers(mesh, {}, {});
+  EXPECT_LT(whole, 25);
+  EXPECT_GT(find(broken, "septum_junction", "neighbour_jump_p99").value, 60);
+}
+
+TEST(CheckFibers, HelixNearTheSurfacesIsComparedWithTheAtlas) {
+  RegistrationFigures figures;
+  for (int n = 0; n <= 200; ++n) {
+    const float depth = static_cast<float>(n) / 200;
+    figures.atlas_lv.depth.push_back(depth);
+    figures.atlas_lv.helix_deg.push_back(70 - 140 * depth);
+    figures.carried_lv.depth.push_back(depth);
+    figures.carried_lv.helix_deg.push_back(66 - 140 * depth);
+  }
+  const auto report = check_fibers(pipe(), figures, {});
+  EXPECT_NEAR(find(report, "lv_myocardium", "atlas_helix_endocardium").value, 70 - 140 * 0.125, 1);
+  EXPECT_NEAR(find(report, "lv_myocardium", "helix_endocardium_off_atlas").value, 4, 0.1);
+  EXPECT_NEAR(find(report, "lv_myocardium", "helix_epicardium_off_atlas").value, 4, 0.1);
+  const auto profile = helix_profile(figures.atlas_lv);
+  ASSERT_EQ(profile.depth.size(), 10U);
+  EXPECT_NEAR(profile.median_deg.front(), 70 - 140 * 0.05, 1);
+}
+
 TEST(CheckFibers, AMirroredHelixFails) {
   auto mesh = pipe();
   for (auto* field : {&mesh.node_fibers, &mesh.cell_fibers})

@@ -1,0 +1,17 @@
+// Axes of cells across which fibres turn far: in a wall of one or two cells the nodes lie on its two surfaces, 120
+// degrees apart, and a mean of their axes is that of neither and of nothing between. Not collective.
+#pragma once
+#include <string>
+
+#include "generator/fibers/hearts.hpp"
+#include "model/tet_mesh.hpp"
+
+namespace heart::fibers {
+
+/// Sets the frame of each ventricular cell two of whose nodes' fibres are more than 25 degrees apart to what is carried
+/// to the cell's centroid. Other cells, and those that nothing can be carried to, keep theirs. `node`, `cell`: of the
+/// whole mesh. The same bits for any number of threads.
+void carry_to_steep_cells(const Hearts& hearts, const TetMesh& mesh, const FiberField& node, const std::string& method,
+                          FiberField& cell);
+
+}  // namespace heart::fibers

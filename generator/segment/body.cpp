@@ -37,6 +37,9 @@ constexpr double even_depth_mm = 2;            // off the surface, where every o
 constexpr double even_rim_mm = 2.5;            // beyond that depth the rest of the organ follows
 constexpr float even_rim_hu = 80;              // but nothing so much brighter than the organ, which is bone beside it
 constexpr double least_even_ml = 2;            // smaller even spots are marrow
+constexpr double vessel_correlation = 0.6;     // of grey value and depth; tubes of blood have more, bones less
+constexpr double brightest_vessel = 1.15;      // of the heart's blood
+constexpr float deepest_mm = 12;               // beyond that depth makes no difference
 constexpr float brightest_bone_hu = 1800;      // more is metal, or undiluted contrast in a vein
 constexpr double dense_rim_mm = 2.5;           // around it
 constexpr double spongy_mm = 3;                // marrow in gaps of the bone up to twice this wide belongs to it
@@ -107,9 +110,11 @@ Mask find_lung(const Mask& body, const Mask& tissue) {
   return intersect(fill_holes(close(lung, lung_vessel_mm)), body);
 }
 
-/// 1e6 without a value.
+constexpr double no_value = 1e6;
+
+/// no_value for none.
 float median(std::vector<float> values) {
-  if (values.empty()) return 1e6F;
+  if (values.empty()) return static_cast<float>(no_value);
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -194,6 +199,43 @@ Mask with_cortex(const Mask& pieces, const Volume<float>& image, std::int64_t le
   });
 }
 
+/// How grey value and depth go together in a piece.
+struct DepthTrend {
+  double n = 0, grey = 0, depth = 0, grey2 = 0, depth2 = 0, product = 0;
+
+  void add(double g, double d) {
+    n += 1, grey += g, depth += d;
+    grey2 += g * g, depth2 += d * d, product += g * d;
+  }
+  double correlation() const {
+    const double spread = (n * grey2 - grey * grey) * (n * depth2 - depth * depth);
+    return spread > 0 ? (n * product - grey * depth) / std::sqrt(spread) : 0;
+  }
+};
+
+/// Pieces that are contrast-filled through and through: brighter the deeper, like a blurred tube, where bone is
+/// brightest in its shell; and hardly brighter than the heart's blood, where small pieces of compact bone are.
+Mask find_filled_vessels(const Mask& pieces, const Volume<float>& image, double blood_hu) {
+  const Mask outside = mask_where(pieces.grid, [&](std::size_t v) { return pieces.voxels[v] == 0; });
+  if (count(outside) == 0) return Mask(pieces.grid);
+  const auto depth = distance_to(outside, deepest_mm);
+  const Components parts = connected_components(pieces);
+  std::vector<DepthTrend> trend(parts.voxel_count.size());
+  std::vector<std::int64_t> brighter(parts.voxel_count.size(), 0);
+  for (std::size_t v = 0; v < pieces.voxels.size(); ++v) {
+    if (!pieces.voxels[v]) continue;
+    const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
+    const auto grey = static_cast<double>(image.voxels[v]);
+    trend[label].add(grey, static_cast<double>(depth.voxels[v]));
+    brighter[label] += grey > brightest_vessel * blood_hu;
+  }
+  return mask_where(pieces.grid, [&](std::size_t v) {
+    const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
+    return label > 0 && trend[label].correlation() > vessel_correlation &&
+           10 * brighter[label] < parts.voxel_count[label];
+  });
+}
+
 /// Brightest value in the box of bright_reach_mm around a voxel, among the voxels of `bone`.
 float brightest_near(const Volume<float>& image, const Mask& bone, const Index3& at) {
   Index3 low{}, high{};
@@ -249,7 +291,11 @@ Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& ch
     return bone.voxels[v] && body.body.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] &&
            chambers.voxels[v] == 0;
   });
-  return trimmed(kept, image);
+  const Mask bone_alone = trimmed(kept, image);
+  double blood_hu = 0;  // of the left side, wherever the contrast is just then
+  for (const Region region : {Region::lv_blood, Region::la_blood, Region::aorta})
+    if (const double hu = median_under(image, chambers, region); hu < no_value) blood_hu = std::max(blood_hu, hu);
+  return subtract(bone_alone, find_filled_vessels(bone_alone, image, blood_hu));
 }
 
 }  // namespace

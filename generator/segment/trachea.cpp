@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "generator/segment/box_around.hpp"
+#include "generator/segment/bronchi.hpp"
 #include "generator/segment/chan_vese.hpp"
 #include "generator/segment/components.hpp"
 #include "generator/segment/crop.hpp"
@@ -152,7 +153,7 @@ Mask airways_at(const Volume<float>& image, const Volume<float>& smooth, const M
                 double lumen_grey, double level) {
   const auto dark = mask_where(
       air.grid, [&](std::size_t v) { return air.voxels[v] && static_cast<double>(smooth.voxels[v]) < level; });
-  const Mask outline = component_of(dark, seed);
+  Mask outline = component_of(dark, seed);
   if (count(outline) == 0) return outline;
   const auto margin = static_cast<std::int64_t>(
       std::ceil(margin_mm / std::min({air.grid.spacing_mm.x, air.grid.spacing_mm.y, air.grid.spacing_mm.z})));
@@ -165,8 +166,9 @@ Mask airways_at(const Volume<float>& image, const Volume<float>& smooth, const M
 }
 
 /// Adds the voxels beside the lumen that are more lumen than wall: darker than half-way between the lumen and the
-/// crest of the wall, looked for straight on. Half of every wall lies in voxels that it shares with the lumen.
-Mask grown_to_the_wall(const CtVolume& ct, const Mask& lumen, double lumen_grey) {
+/// crest of the wall, looked for straight on. Half of every wall lies in voxels that it shares with the lumen. A crest
+/// nearer to tissue than to the lumen is tissue: walls thinner than a voxel only look fainter.
+Mask grown_to_the_wall(const CtVolume& ct, const Mask& lumen, double lumen_grey, double tissue_grey) {
   const auto& size = ct.grid.size;
   Mask grown = lumen;
   for (std::int64_t k = 0; k < size[2]; ++k)
@@ -184,6 +186,7 @@ Mask grown_to_the_wall(const CtVolume& ct, const Mask& lumen, double lumen_grey)
           for (double way = 0; way <= wall_reach_mm && ct.grid.contains(at[0], at[1], at[2]);
                way += ct.grid.spacing_mm[face / 2], at[axis] += sign)
             crest = std::max(crest, static_cast<double>(ct(at[0], at[1], at[2])));
+          if (2 * crest > lumen_grey + tissue_grey) crest = std::max(crest, tissue_grey);
           if (2 * ct(next[0], next[1], next[2]) < lumen_grey + crest) grown(next[0], next[1], next[2]) = 1;
         }
       }
@@ -197,8 +200,9 @@ Mask segment_trachea(const CtVolume& ct, const SegmentationTree& tree, const Lan
   if (!seed) return Mask(ct.grid);
   // The first split of the tree parts air and tissue: the wall lies half-way between their grey values.
   const int wall_hu = tree.empty() ? -500 : static_cast<int>((tree.front().c_below + tree.front().c_above) / 2);
+  const double tissue_grey = tree.empty() ? 0 : tree.front().c_above;
   const auto limit = static_cast<std::int64_t>(volume_limit_ml * 1000 / ct.grid.voxel_volume_mm3());
-  const Mask air = component_of(mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < wall_hu; }), *seed);
+  Mask air = component_of(mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < wall_hu; }), *seed);
   const Vec3 center = lps_from_index(
       ct.grid, {static_cast<double>((*seed)[0]), static_cast<double>((*seed)[1]), static_cast<double>((*seed)[2])});
   const double lumen_grey = median_around(ct, center, lumen_radius_mm);
@@ -209,7 +213,9 @@ Mask segment_trachea(const CtVolume& ct, const SegmentationTree& tree, const Lan
   for (const double share : {0.8, 0.65, 0.5, 0.35, 0.2}) {
     const double level = lumen_grey + share * (*lung - lumen_grey);
     const Mask lumen = component_of(airways_at(image, smooth, air, *seed, lumen_grey, level), *seed, limit);
-    if (count(lumen) > 0) return fill_holes(grown_to_the_wall(ct, lumen, lumen_grey));
+    if (count(lumen) == 0) continue;
+    const Mask tree_of_airways = with_bronchi(ct, lumen, air, lumen_grey, *lung);
+    return fill_holes(grown_to_the_wall(ct, tree_of_airways, lumen_grey, tissue_grey));
   }
   return Mask(ct.grid);
 }

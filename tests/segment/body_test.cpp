@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "generator/segment/fuse_labels.hpp"
 #include "generator/segment/morphology.hpp"
@@ -106,6 +107,37 @@ TEST(Body, ContrastBesideTheSpineIsNoBone) {
     EXPECT_GT(contrast, 5000);
     EXPECT_LT(6 * wrong, contrast) << grey;  // what touches the bone with its own grey value may stay with it
   }
+}
+
+TEST(Body, AnArteryByItselfIsNoBoneAndARibByItselfIs) {
+  ToyChest chest = toy_chest();
+  constexpr std::int16_t blood = 380;
+  fill_column(chest, 0, 14, 9, blood);   // the heart's blood
+  fill_column(chest, 0, -40, 4, blood);  // an artery that nothing joins to it
+  fill_column(chest, 44, -28, 5, 650);   // a rib: marrow in a shell
+  fill_column(chest, 44, -28, 3, 200);
+  std::int64_t artery = 0, rib = 0, artery_as_bone = 0, rib_as_bone = 0;
+  std::vector<std::uint8_t> place(chest.ct.voxels.size(), 0);
+  const auto& size = chest.ct.grid.size;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
+        const Vec3 p =
+            lps_from_index(chest.ct.grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        if (chest.truth.voxels[v] != tag(Region::torso)) continue;
+        if (std::hypot(p.x, p.y - 14) < 9) chest.chambers.voxels[v] = tag(Region::lv_blood);
+        if (std::hypot(p.x, p.y + 40) < 4) place[v] = 1;
+        if (std::hypot(p.x - 44, p.y + 28) < 5) place[v] = 2;
+      }
+  const auto body = segment_body(chest.ct, chest.tree, chest.chambers, {}, {});
+  for (v = 0; v < place.size(); ++v) {
+    artery += place[v] == 1, artery_as_bone += place[v] == 1 && body.bone.voxels[v];
+    rib += place[v] == 2, rib_as_bone += place[v] == 2 && body.bone.voxels[v];
+  }
+  EXPECT_GT(artery, 500);
+  EXPECT_LT(20 * artery_as_bone, artery);
+  EXPECT_GT(2 * rib_as_bone, rib);
 }
 
 TEST(Body, SkinLungsAndBoneWithoutTheTable) {

@@ -143,5 +143,32 @@ TEST(Trachea, DoesNotLeakThroughABronchusThatOpensIntoTheLung) {
   }
 }
 
+TEST(Trachea, FollowsAThinBronchusAsFarAsItsWallGoes) {
+  const auto grid = grid_of({64, 44, 40}, {1.2, 1.2, 1.6});
+  const auto bronchus = [](const Vec3& p) { return to_segment(p, {14, 0, -14}, {26, 0, -20}) - 2; };
+  const auto lumen = [&](const Vec3& p) {
+    const double wide = to_segment(p, {0, 0, -2}, {14, 0, -14}) - 5;
+    return std::min({to_segment(p, {0, 0, 0}, {0, 0, 30}) - 8, wide, bronchus(p)});
+  };
+  for (const double noise : {10.0, 30.0}) {
+    const CtVolume ct = image_of(grid, noise, [&](const Vec3& p) {
+      if (lumen(p) < 0) return -1000.0;
+      if (lumen(p) < 1.1) return 20.0;
+      return std::hypot((p.x - 16) / 20, p.y / 22, (p.z + 6) / 22) < 1 ? -860.0 : 20.0;
+    });
+    Landmarks landmarks;
+    landmarks.seeds_mm["trachea"] = middle_of(grid) + Vec3{0, 0, 20};
+    const Mask found = segment_trachea(ct, {}, landmarks);
+    const Mask thin = volume_of<std::uint8_t>(grid, [&](double x, double y, double z) {
+      return bronchus({x, y, z}) < 0 && to_segment({x, y, z}, {0, 0, -2}, {14, 0, -14}) > 7 ? 1 : 0;
+    });
+    EXPECT_GT(2 * count(intersect(found, thin)), count(thin)) << noise;  // the rest is more wall than lumen
+    const auto far = volume_of<std::uint8_t>(grid, [&](double x, double y, double z) {
+      return lumen({x, y, z}) > 2 ? 1 : 0;
+    });
+    EXPECT_EQ(count(intersect(found, far)), 0) << noise;
+  }
+}
+
 }  // namespace
 }  // namespace heart

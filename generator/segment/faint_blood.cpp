@@ -9,6 +9,7 @@
 
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/crop.hpp"
+#include "generator/segment/distance.hpp"
 #include "generator/segment/fast_sweeping.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
@@ -27,6 +28,7 @@ constexpr double wall_weight = 0.04;     // nats per mm³: what usual anatomy sa
 constexpr double cavity_weight = 0.03;   // and for blood inside, where muscles and the valves' rings are as well
 constexpr double anatomy_slack_mm = 1;   // walls differ from their mean thickness by this
 constexpr double most_evidence = 1;      // nats per mm³: no single voxel decides alone
+constexpr double unseen_mm = 0.75;       // off the usual thin wall: less cannot be told from noise
 constexpr float nowhere_mm = 1e6F;
 constexpr int sweeps = 200;
 
@@ -306,6 +308,19 @@ Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, c
   for (std::size_t v = 0; v < blood.voxels.size(); ++v) {
     const double value = possible.voxels[v] ? static_cast<double>(blood.voxels[v]) / height : -1;
     blood.voxels[v] = static_cast<float>(std::clamp(value, -1.0, 1.0));
+  }
+  return blood;
+}
+
+Volume<float> settle_thin_walls(Volume<float> blood, const Volume<float>& space, const Mask& thin_walled) {
+  Mask inside(blood.grid);
+  for (std::size_t v = 0; v < inside.voxels.size(); ++v) inside.voxels[v] = blood.voxels[v] > 0;
+  const LevelSet contour = signed_distance(inside);
+  for (std::size_t v = 0; v < blood.voxels.size(); ++v) {
+    if (!thin_walled.voxels[v]) continue;
+    const auto found = -static_cast<double>(contour.voxels[v]), usual = static_cast<double>(space.voxels[v]);
+    const double agreement = std::clamp(2 - std::abs(found - usual) / unseen_mm, 0.0, 1.0);
+    blood.voxels[v] = static_cast<float>(std::clamp(agreement * usual + (1 - agreement) * found, -1.0, 1.0));
   }
   return blood;
 }

@@ -152,7 +152,7 @@ Mask faint_right_heart(const CtVolume& ct, const Landmarks& landmarks, double mu
   space = usual_cavity(walls, thin, measure_thickness(scene.hu, walls, thin, compartment, usual, contrast));
   contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
   const Volume<float> blood = faint_blood(scene.hu, walls, space, compartment, contrast);
-  const Volume<float> fine = resampled(blood, ct.grid);
+  const Volume<float> fine = resampled(settle_thin_walls(blood, space, thin), ct.grid);
   return mask_where(ct.grid, [&](std::size_t v) {
     return fine.voxels[v] > 0 && static_cast<double>(ct.voxels[v]) < 2 * left_threshold_hu;
   });

@@ -17,9 +17,9 @@ constexpr double lever_mm = 8;  // distance between them
 
 Vec3 position(const Grid& grid, std::size_t v) {
   const auto offset = static_cast<std::int64_t>(v);
-  const auto row = offset / grid.size[0];
+  const auto row = offset / grid.size[0], slice = row / grid.size[1];
   return lps_from_index(grid, {static_cast<double>(offset % grid.size[0]), static_cast<double>(row % grid.size[1]),
-                               static_cast<double>(row / grid.size[1])});
+                               static_cast<double>(slice)});
 }
 
 Mask shell(const Volume<float>& way_mm, double from_mm, double to_mm) {

@@ -20,7 +20,7 @@ struct Scene {
   Mask lv, other_left, truth, compartment, nowhere;
 };
 
-Scene make_scene(double blood_hu, double noise_hu) {
+Scene make_scene(double blood_hu, double noise_hu, double wall_mm = free_wall_mm) {
   Grid grid;
   grid.size = {100, 64, 64};
   grid.origin_mm = {-60, -32, -32};
@@ -32,7 +32,7 @@ Scene make_scene(double blood_hu, double noise_hu) {
       for (std::int64_t i = 0; i < grid.size[0]; ++i, ++v) {
         const Vec3 p = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
         const double from_lv = norm(p - lv), from_pool = norm(p - pool);
-        const bool muscle = from_lv < lv_radius_mm + lv_wall_mm || from_pool < pool_radius_mm + free_wall_mm;
+        const bool muscle = from_lv < lv_radius_mm + lv_wall_mm || from_pool < pool_radius_mm + wall_mm;
         scene.lv.voxels[v] = from_lv < lv_radius_mm;
         scene.truth.voxels[v] = from_pool < pool_radius_mm && from_lv > lv_radius_mm + lv_wall_mm;
         scene.compartment.voxels[v] = from_pool < pool_radius_mm - 3;
@@ -183,6 +183,32 @@ TEST(FaintBlood, TheImageOverrulesUsualAnatomyWhereItIsClear) {
     if (static_cast<std::int64_t>(v) / (grid.size[0] * grid.size[1]) > 30) scene.compartment.voxels[v] = 0;
   ASSERT_GT(half, 5000);
   EXPECT_GT(find(scene).dice, 0.93);
+}
+
+/// Mean distance by which the half of the pool that is far from the left ventricle ends inside the truth, mm.
+double inset_mm(const Volume<float>& blood, const Scene& scene) {
+  double found = 0, truth = 0;
+  for (std::size_t v = 0; v < blood.voxels.size(); ++v) {
+    const auto i = static_cast<std::int64_t>(v) % blood.grid.size[0];
+    if (blood.grid.origin_mm.x + static_cast<double>(i) < pool.x) continue;
+    found += blood.voxels[v] > 0;
+    truth += scene.truth.voxels[v];
+  }
+  return pool_radius_mm * (1 - std::cbrt(found / truth));
+}
+
+TEST(FaintBlood, ThinWallsKeepTheirThickness) {
+  for (const double blood_hu : {100.0, 125.0}) {
+    const Scene scene = make_scene(blood_hu, 20, WallThickness{}.thin_mm);
+    const auto walls = measure_walls(scene.hu, scene.lv, scene.other_left, muscle_hu);
+    const Mask thin(scene.hu.grid, 1);
+    const auto space = usual_cavity(walls, thin);
+    const auto contrast = measure_faint_contrast(scene.hu, walls, space, scene.compartment);
+    const auto blood = faint_blood(scene.hu, walls, space, scene.compartment, contrast);
+    EXPECT_NEAR(inset_mm(settle_thin_walls(blood, space, thin), scene), 0, 0.15) << blood_hu << " HU";
+    const auto untouched = settle_thin_walls(blood, space, scene.nowhere);
+    EXPECT_EQ(untouched.voxels, blood.voxels);
+  }
 }
 
 TEST(CutVenaeCavae, TheyGoAndTheRestStays) {

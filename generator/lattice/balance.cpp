@@ -10,12 +10,15 @@
 namespace heart::lattice {
 namespace {
 
-// A quadratic surface through the corners of a face is as far from it on average as 3/4 of the distance at its centre.
-constexpr double mean_per_center = 0.75;
-constexpr double most_shift = 0.1;  // of the lattice's width
+// The mean of a quadratic function over a triangle, from its values at the centre and at the corners.
+constexpr double share_of_center = 0.75, share_of_corner = 1.0 / 12;
+constexpr double most_shift = 0.05;  // of the lattice's width: farther from the surface no node goes
+constexpr double evenness = 0.5;     // of what a node stands out from those around it, taken back in one round
+constexpr double least_slant = 0.5;  // of the surface against the sides
 
 // Nodes between two labels, also where their surface ends in a side of the box.
 bool is_on_surface(LabelBits touches) { return std::popcount(touches & ~side_bits) == 2; }
+bool is_on_curve(LabelBits touches) { return std::popcount(touches & ~side_bits) > 2; }
 
 /// Signed distance (mm) of a point to the surface between two labels, to first order, and the normal there.
 struct Offset {
@@ -31,66 +34,120 @@ Offset offset_at(const Materials& materials, LabelBits labels, const Vec3& point
   return {e.value / slope, e.gradient / slope};
 }
 
-// The labels' own faces around the node: between cells of both, or of one and nothing.
-template <class Visit>
-void each_surface_face(const Complex& c, std::int32_t node, Visit&& visit) {
-  const LabelBits labels = c.bits(node) & ~side_bits;
-  for (const auto t : c.star(node)) {
-    const Cell& cell = c.cell(t);
+/// A face between cells of two labels, or between a cell and the outside.
+struct SurfaceFace {
+  Face nodes;
+  LabelBits labels = 0;
+};
+
+std::vector<SurfaceFace> surface_faces(const Complex& c) {
+  std::vector<SurfaceFace> faces;
+  for (std::size_t t = 0; t < c.cells.size(); ++t) {
+    const Cell& cell = c.cells[t];
+    if (cell[0] < 0) continue;
     for (std::size_t i = 0; i < 4; ++i) {
-      if (cell[i] == node) continue;
       const auto a = cell[(i + 1) % 4], b = cell[(i + 2) % 4], d = cell[(i + 3) % 4];
       const LabelBits shared = c.bits(a) & c.bits(b) & c.bits(d);
-      if ((shared & labels) != labels || (shared & side_bits) != 0) continue;
+      if (std::popcount(shared & ~side_bits) < 2 || (shared & side_bits) != 0) continue;
       const auto pair = cells_at_face(c, a, b, d);
-      const bool is_first = pair[0] == t;
-      if (is_first && (pair[1] < 0 || c.label_of(pair[0]) != c.label_of(pair[1]))) visit(a, b, d);
+      if (pair[0] != static_cast<std::int32_t>(t)) continue;
+      const LabelBits labels = bit_of(c.label[t]) | (pair[1] < 0 ? bit_of(0) : bit_of(c.label_of(pair[1])));
+      if (is_constrained(labels)) faces.push_back({{a, b, d}, labels});
     }
   }
+  return faces;
 }
 
-Vec3 shift_of(const Complex& c, const Materials& materials, std::int32_t node) {
-  constexpr double least_slant = 0.5;  // of the surface against the sides
-  const LabelBits labels = c.bits(node) & ~side_bits;
-  double sum = 0;
-  int faces = 0;
-  each_surface_face(c, node, [&](std::int32_t a, std::int32_t b, std::int32_t d) {
-    sum += offset_at(materials, labels, (c.at(a) + c.at(b) + c.at(d)) / 3).distance;
-    ++faces;
+/// What one round measures; all per node but `center`.
+struct Measures {
+  std::vector<Offset> node;    // of nodes on surfaces
+  std::vector<double> center;  // signed distance of each face's centre
+  std::vector<Vec3> to_curve;  // step of nodes on curves
+};
+
+Measures measure(const Complex& c, const Materials& materials, const std::vector<SurfaceFace>& faces) {
+  constexpr int newton_steps = 3;
+  Measures found{std::vector<Offset>(c.nodes_mm.size()), std::vector<double>(faces.size()),
+                 std::vector<Vec3>(c.nodes_mm.size())};
+  parallel::parallel_for(0, static_cast<std::int64_t>(c.nodes_mm.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      const LabelBits bits = c.touches[n];
+      if (is_on_surface(bits)) found.node[n] = offset_at(materials, bits & ~side_bits, c.nodes_mm[n]);
+      if (is_on_curve(bits)) found.to_curve[n] = project(materials, bits, c.nodes_mm[n], newton_steps) - c.nodes_mm[n];
+    }
   });
-  if (faces == 0) return {};
-  const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]);
-  const double shift = std::clamp(mean_per_center * sum / faces, -most_shift * spacing, most_shift * spacing);
-  Vec3 way = offset_at(materials, labels, c.at(node)).normal;
+  parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+      const auto& n = faces[f].nodes;
+      found.center[f] = offset_at(materials, faces[f].labels, (c.at(n[0]) + c.at(n[1]) + c.at(n[2])) / 3).distance;
+    }
+  });
+  return found;
+}
+
+// Along the normal, or in the side of the box along it.
+Vec3 along_normal(LabelBits touches, Vec3 normal, double distance) {
   for (int side = 0; side < 6; ++side)
-    if ((c.bits(node) & bit_of(first_side + side)) != 0) way[side / 2] = 0;
-  const double slant = dot(way, way);
-  return slant < least_slant ? Vec3{} : -shift / slant * way;
+    if ((touches & bit_of(first_side + side)) != 0) normal[side / 2] = 0;
+  const double slant = dot(normal, normal);
+  return slant < least_slant ? Vec3{} : distance / slant * normal;
+}
+
+std::vector<Vec3> shifts_of(const Complex& c, const std::vector<SurfaceFace>& faces, const Measures& found) {
+  std::vector<double> error(c.nodes_mm.size(), 0), around(c.nodes_mm.size(), 0);
+  std::vector<int> count(c.nodes_mm.size(), 0);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    double corners = 0;
+    for (const auto n : faces[f].nodes) corners += found.node[static_cast<std::size_t>(n)].distance;
+    for (const auto n : faces[f].nodes) {
+      const auto at = static_cast<std::size_t>(n);
+      if ((c.touches[at] & ~side_bits) != faces[f].labels) continue;
+      error[at] += share_of_center * found.center[f] + share_of_corner * corners;
+      around[at] += 0.5 * (corners - found.node[at].distance);
+      ++count[at];
+    }
+  }
+  std::vector<Vec3> shift(found.to_curve);
+  for (std::size_t n = 0; n < shift.size(); ++n) {
+    const double limit = most_shift * static_cast<double>(c.spacing_mm[n]);
+    if (const double length = norm(shift[n]); length > limit) shift[n] *= limit / length;
+    if (count[n] == 0) continue;
+    const double own = found.node[n].distance;
+    const double wanted = -error[n] / count[n] - evenness * (own - around[n] / count[n]);
+    shift[n] = along_normal(c.touches[n], found.node[n].normal, std::clamp(own + wanted, -limit, limit) - own);
+  }
+  return shift;
+}
+
+// The whole way, or as much of it as the cells around allow.
+void move(Complex& c, std::int32_t node, Vec3 way, double least_quality) {
+  constexpr int tries = 3;
+  auto& position = c.nodes_mm[static_cast<std::size_t>(node)];
+  const Vec3 old = position;
+  const auto star = c.star(node);
+  const double bound = std::min(least_quality, worst_quality(c, star));
+  for (int i = 0; i < tries; ++i, way *= 0.5) {
+    position = old + way;
+    const bool is_good =
+        std::all_of(star.begin(), star.end(), [&](std::int32_t t) { return quality(c, c.cell(t)) >= bound; });
+    if (!is_good) continue;
+    for (const auto t : star) update_quality(c, t);
+    return;
+  }
+  position = old;
 }
 
 }  // namespace
 
 void balance_surfaces(Complex& c, const Materials& materials, double least_quality) {
-  const auto count = static_cast<std::int64_t>(c.nodes_mm.size());
-  std::vector<Vec3> shift(c.nodes_mm.size());
-  parallel::parallel_for(0, count, [&](std::int64_t begin, std::int64_t end) {
-    for (auto n = static_cast<std::int32_t>(begin); n < end; ++n)
-      if (is_on_surface(c.bits(n))) shift[static_cast<std::size_t>(n)] = shift_of(c, materials, n);
-  });
-  for (std::int32_t n = 0; n < count; ++n) {
-    const Vec3& way = shift[static_cast<std::size_t>(n)];
-    if (dot(way, way) == 0) continue;
-    auto& position = c.nodes_mm[static_cast<std::size_t>(n)];
-    const Vec3 old = position;
-    const auto star = c.star(n);
-    const double bound = std::min(least_quality, worst_quality(c, star));
-    position += way;
-    const bool is_bad =
-        std::any_of(star.begin(), star.end(), [&](std::int32_t t) { return quality(c, c.cell(t)) < bound; });
-    if (is_bad)
-      position = old;
-    else
-      for (const auto t : star) update_quality(c, t);
+  constexpr int rounds = 4;
+  constexpr double least_way = 1e-3;  // of the lattice's width
+  const auto faces = surface_faces(c);
+  for (int round = 0; round < rounds; ++round) {
+    const auto shift = shifts_of(c, faces, measure(c, materials, faces));
+    for (std::size_t n = 0; n < shift.size(); ++n)
+      if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]))
+        move(c, static_cast<std::int32_t>(n), shift[n], least_quality);
   }
 }
 

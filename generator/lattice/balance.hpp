@@ -6,9 +6,10 @@
 
 namespace heart::lattice {
 
-/// Shifts every node between exactly two labels along the surface's normal (in the side of the box if it lies on one),
-/// by the mean error of its faces, where no cell falls below `least_quality` or, if it is below already, gets worse. To
-/// be done last: smoothing undoes it.
+/// Some rounds of small shifts of all nodes on surfaces and curves. Between two labels a node goes along the surface's
+/// normal (in the side of the box if it lies on one) by the mean error of its faces, and nearer to its neighbours where
+/// it stands out from them; on a curve it goes to the curve. None where a cell falls below `least_quality` or, if it is
+/// below already, gets worse. To be done last: smoothing undoes it.
 void balance_surfaces(Complex& complex, const Materials& materials, double least_quality);
 
 }  // namespace heart::lattice

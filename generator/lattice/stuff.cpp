@@ -36,7 +36,8 @@ double finest_edge(const Materials& m) {
   return *std::min_element(finest.begin(), finest.end());
 }
 
-// Labels of the nodes as `touches`, without the cells all of whose nodes are outside.
+// Labels of the nodes as `touches`. Cells all of whose nodes are outside are left out, but for those around the nodes
+// of the others: what the outside looks like around a node is seen only where all its cells are there.
 Complex label_lattice(const Materials& materials, Background background) {
   Complex c;
   c.nodes_mm = std::move(background.nodes_mm);
@@ -46,11 +47,15 @@ Complex label_lattice(const Materials& materials, Background background) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
       c.touches[n] |= bit_of(materials.label_at(c.nodes_mm[n]));
   });
+  std::vector<std::uint8_t> is_near(c.nodes_mm.size(), 0);
+  for (const auto& cell : background.cells)
+    if (std::any_of(cell.begin(), cell.end(), [&](std::int32_t n) { return (c.bits(n) & bit_of(0)) == 0; }))
+      for (const auto n : cell) is_near[static_cast<std::size_t>(n)] = 1;
   for (const auto& cell : background.cells) {
-    const bool outside =
-        std::all_of(cell.begin(), cell.end(), [&](std::int32_t n) { return (c.bits(n) & bit_of(0)) != 0; });
-    if (!outside) c.cells.push_back(cell);
-    if (outside)
+    const bool is_kept = std::any_of(cell.begin(), cell.end(),
+                                     [&](std::int32_t n) { return is_near[static_cast<std::size_t>(n)] != 0; });
+    if (is_kept) c.cells.push_back(cell);
+    if (!is_kept)
       for (const auto n : cell) c.touches[static_cast<std::size_t>(n)] |= hull_bit;
   }
   c.label.assign(c.cells.size(), 1);  // not yet known; 0 would be dropped

@@ -1,124 +1,14 @@
 #include "generator/mesh/domain.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <cmath>
 
-#include "generator/mesh/size_field.hpp"
-#include "model/error.hpp"
+#include "generator/parallel/threads.hpp"
 
 namespace heart::mesh {
 namespace {
 
-constexpr std::size_t label_count = 18;
-// 0.8 would leave a quarter of the stairs that 0.6 leaves, but takes 2 % more of the volume of a ball of 7 voxels.
-constexpr double least_smoothing_voxels = 0.6;
-
 using Shares = std::array<float, label_count>;
-
-struct Box {
-  Index3 low{INT64_MAX, INT64_MAX, INT64_MAX};
-  Index3 high{-1, -1, -1};  // inclusive
-  bool empty() const { return high[0] < 0; }
-};
-
-std::array<Box, label_count> boxes_of(const LabelVolume& labels) {
-  std::array<Box, label_count> boxes;
-  const auto& size = labels.grid.size;
-  for (std::int64_t k = 0; k < size[2]; ++k)
-    for (std::int64_t j = 0; j < size[1]; ++j) {
-      const auto* row = &labels.voxels[static_cast<std::size_t>(labels.grid.offset(0, j, k))];
-      for (std::int64_t i = 0; i < size[0]; ++i) {
-        if (row[i] >= label_count)
-          throw UserError(fmt::format("label {} is not a known region", row[i]), "label map",
-                          "labels are the region tags 0 to 17");
-        if (i > 0 && row[i] == row[i - 1] && i <= boxes[row[i]].high[0]) continue;
-        auto& box = boxes[row[i]];
-        const Index3 at{i, j, k};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          box.low[axis] = std::min(box.low[axis], at[axis]);
-          box.high[axis] = std::max(box.high[axis], at[axis]);
-        }
-      }
-    }
-  return boxes;
-}
-
-std::vector<float> gaussian(double sigma_voxels) {
-  const int radius = std::max(1, static_cast<int>(std::ceil(3 * sigma_voxels)));
-  std::vector<double> weights;
-  double sum = 0;
-  for (int i = -radius; i <= radius; ++i) {
-    weights.push_back(std::exp(-0.5 * i * i / (sigma_voxels * sigma_voxels)));
-    sum += weights.back();
-  }
-  std::vector<float> normalized_weights;
-  normalized_weights.reserve(weights.size());
-  for (const double w : weights) normalized_weights.push_back(static_cast<float>(w / sum));
-  return normalized_weights;
-}
-
-// Convolution along one axis, border values continued. Works on whole rows, so that it vectorises.
-void smooth_axis(Volume<float>& volume, std::size_t axis, const std::vector<float>& weights) {
-  const auto& grid = volume.grid;
-  const auto& size = grid.size;
-  const std::int64_t radius = static_cast<std::int64_t>(weights.size() / 2);
-  const std::int64_t row_length = size[0];
-  std::vector<float> result(volume.voxels.size(), 0.0F);
-  std::vector<float> padded(static_cast<std::size_t>(row_length + 2 * radius));
-  for (std::int64_t k = 0; k < size[2]; ++k)
-    for (std::int64_t j = 0; j < size[1]; ++j) {
-      float* out = &result[static_cast<std::size_t>(grid.offset(0, j, k))];
-      if (axis == 0) {
-        const float* row = &volume.voxels[static_cast<std::size_t>(grid.offset(0, j, k))];
-        for (std::int64_t i = 0; i < row_length + 2 * radius; ++i)
-          padded[static_cast<std::size_t>(i)] = row[std::clamp<std::int64_t>(i - radius, 0, row_length - 1)];
-      }
-      for (std::int64_t tap = -radius; tap <= radius; ++tap) {
-        const float weight = weights[static_cast<std::size_t>(tap + radius)];
-        const auto shifted = [&](std::int64_t at, std::size_t along) {
-          return along == axis ? std::clamp<std::int64_t>(at + tap, 0, size[along] - 1) : at;
-        };
-        const float* in = axis == 0
-                              ? padded.data() + radius + tap
-                              : &volume.voxels[static_cast<std::size_t>(grid.offset(0, shifted(j, 1), shifted(k, 2)))];
-        for (std::int64_t i = 0; i < row_length; ++i) out[i] += weight * in[i];
-      }
-    }
-  volume.voxels.swap(result);
-}
-
-ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box,
-                       const std::array<std::vector<float>, 3>& weights) {
-  ShareField field;
-  field.label = label;
-  Grid grid;
-  grid.spacing_mm = labels.grid.spacing_mm;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto margin = static_cast<std::int64_t>(weights[axis].size() / 2) + 1;
-    field.first[axis] = std::max<std::int64_t>(0, box.low[axis] - margin);
-    grid.size[axis] = std::min(labels.grid.size[axis], box.high[axis] + margin + 1) - field.first[axis];
-  }
-  field.share = Volume<float>(grid);
-  for (std::int64_t k = 0; k < grid.size[2]; ++k)
-    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-      const auto* in = &labels(field.first[0], field.first[1] + j, field.first[2] + k);
-      float* out = &field.share(0, j, k);
-      for (std::int64_t i = 0; i < grid.size[0]; ++i) out[i] = in[i] == label ? 1.0F : 0.0F;
-    }
-  for (std::size_t axis = 0; axis < 3; ++axis) smooth_axis(field.share, axis, weights[axis]);
-  return field;
-}
-
-std::array<std::vector<float>, 3> weights_of(const Grid& grid, double smoothing_mm) {
-  std::array<std::vector<float>, 3> weights;
-  for (int axis = 0; axis < 3; ++axis)
-    weights[static_cast<std::size_t>(axis)] =
-        gaussian(std::max(smoothing_mm / grid.spacing_mm[axis], least_smoothing_voxels));
-  return weights;
-}
 
 constexpr std::array left_blood{Region::lv_blood, Region::la_blood, Region::aorta};
 constexpr std::array right_blood{Region::rv_blood, Region::ra_blood, Region::pulmonary_artery};
@@ -126,14 +16,6 @@ constexpr std::array walls{Region::lv_myocardium, Region::rv_myocardium, Region:
                            Region::ra_wall};
 constexpr std::array others{Region::none,  Region::lung,    Region::bone,   Region::liver,
                             Region::torso, Region::trachea, Region::carotid};
-/// Regions that far from the heart get edges of the torso.
-constexpr std::array bulk{Region::none, Region::lung, Region::bone, Region::liver, Region::torso};
-
-std::uint32_t bits_of(const auto& regions) {
-  std::uint32_t bits = 0;
-  for (const Region r : regions) bits |= 1U << tag(r);
-  return bits;
-}
 
 float sum_of(const Shares& shares, const auto& regions) {
   float sum = 0;
@@ -159,48 +41,45 @@ std::uint8_t decide(const Shares& shares) {
   return left >= right ? largest(shares, left_blood) : largest(shares, right_blood);
 }
 
-std::vector<std::uint8_t> decide_voxels(const MeshDomain& domain, const LabelVolume& labels) {
-  const auto& size = domain.grid.size;
+void decide_voxels(MeshDomain& domain, const LabelVolume& labels, const Box& box) {
   std::array<const ShareField*, label_count> field_of{};
   for (const auto& field : domain.shares) field_of[field.label] = &field;
-  const auto share = [](const ShareField& f, const Index3& at) {
-    const Index3 local{at[0] - f.first[0], at[1] - f.first[1], at[2] - f.first[2]};
-    return f.share.grid.contains(local[0], local[1], local[2]) ? f.share(local[0], local[1], local[2]) : 0.0F;
-  };
-  const auto body = bits_of(bulk);
-  std::vector<std::uint8_t> result = labels.voxels;
-  std::size_t voxel = 0;
-  for (std::int64_t k = 0; k < size[2]; ++k)
-    for (std::int64_t j = 0; j < size[1]; ++j)
-      for (std::int64_t i = 0; i < size[0]; ++i, ++voxel) {
-        const Index3 at{i, j, k};
-        // More than a half of one label decides, but for one that is smoothed more than the others.
-        const bool is_bulk = (body >> result[voxel] & 1U) != 0;
-        if (share(*field_of[result[voxel]], at) > (is_bulk ? 0.99F : 0.5F)) continue;
-        Shares shares{};
-        for (const auto& field : domain.shares) shares[field.label] = share(field, at);
-        result[voxel] = decide(shares);
-      }
-  return result;
+  parallel::parallel_for(box.low[2], box.high[2] + 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = begin; k < end; ++k)
+      for (auto j = box.low[1]; j <= box.high[1]; ++j)
+        for (auto i = box.low[0]; i <= box.high[0]; ++i) {
+          const Index3 at{i, j, k};
+          const auto voxel = static_cast<std::size_t>(domain.grid.offset(i, j, k));
+          auto& region = domain.voxels[voxel];
+          region = labels.voxels[voxel];
+          // More than a half of one label decides, but for one that is smoothed more than the others.
+          const bool is_bulk = (bulk_bits >> region & 1U) != 0;
+          if (share_at(*field_of[region], at) > (is_bulk ? 0.99F : 0.5F)) continue;
+          Shares shares{};
+          for (const auto& field : domain.shares) shares[field.label] = share_at(field, at);
+          region = decide(shares);
+        }
+  });
 }
 
-std::vector<std::uint8_t> uniform_cubes(const Grid& grid, const std::vector<std::uint8_t>& voxels) {
-  std::vector<std::uint8_t> cubes(voxels.size());
-  const auto& size = grid.size;
-  std::size_t cube = 0;
-  for (std::int64_t k = 0; k < size[2]; ++k)
-    for (std::int64_t j = 0; j < size[1]; ++j)
-      for (std::int64_t i = 0; i < size[0]; ++i, ++cube) {
-        const std::int64_t di = i + 1 < size[0], dj = j + 1 < size[1] ? size[0] : 0,
-                           dk = k + 1 < size[2] ? size[0] * size[1] : 0;
-        const auto* corner = &voxels[cube];
-        const std::uint8_t label = corner[0];
-        const bool same = corner[di] == label && corner[dj] == label && corner[di + dj] == label &&
-                          corner[dk] == label && corner[di + dk] == label && corner[dj + dk] == label &&
-                          corner[di + dj + dk] == label;
-        cubes[cube] = same ? label : MeshDomain::mixed;
-      }
-  return cubes;
+void find_uniform_cubes(MeshDomain& domain, const Box& box) {
+  const auto& size = domain.grid.size;
+  const auto find = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const auto cube = static_cast<std::size_t>(domain.grid.offset(i, j, k));
+    const std::int64_t di = i + 1 < size[0], dj = j + 1 < size[1] ? size[0] : 0,
+                       dk = k + 1 < size[2] ? size[0] * size[1] : 0;
+    const auto* corner = &domain.voxels[cube];
+    const std::uint8_t label = corner[0];
+    const bool same = corner[di] == label && corner[dj] == label && corner[di + dj] == label && corner[dk] == label &&
+                      corner[di + dk] == label && corner[dj + dk] == label && corner[di + dj + dk] == label;
+    domain.cubes[cube] = same ? label : MeshDomain::mixed;
+  };
+  const auto first = [&](std::size_t axis) { return std::max<std::int64_t>(0, box.low[axis] - 1); };
+  parallel::parallel_for(first(2), box.high[2] + 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = begin; k < end; ++k)
+      for (auto j = first(1); j <= box.high[1]; ++j)
+        for (auto i = first(0); i <= box.high[0]; ++i) find(i, j, k);
+  });
 }
 
 float trilinear(const ShareField& field, const Index3& cube, const std::array<float, 3>& fraction) {
@@ -316,27 +195,11 @@ int equations_at(const MeshDomain& domain, std::uint32_t labels, const Vec3& ind
   return static_cast<int>(count);
 }
 
-MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm, double body_smoothing_mm) {
-  const auto boxes = boxes_of(labels);
-  if (std::all_of(boxes.begin() + 1, boxes.end(), [](const Box& box) { return box.empty(); }))
-    throw UserError("the label map has no labelled voxel", "label map", "nothing can be meshed");
-  const auto fine = weights_of(labels.grid, smoothing_mm);
-  const auto coarse = weights_of(labels.grid, std::max(smoothing_mm, body_smoothing_mm));
-  const auto body = bits_of(bulk);
-  MeshDomain domain;
-  domain.grid = labels.grid;
-  for (std::size_t label = 0; label < label_count; ++label)
-    if (!boxes[label].empty())
-      domain.shares.push_back(share_field(labels, static_cast<std::uint8_t>(label), boxes[label],
-                                          (body >> label & 1U) != 0 ? coarse : fine));
-  domain.voxels = decide_voxels(domain, labels);
-  domain.cubes = uniform_cubes(domain.grid, domain.voxels);
-  return domain;
-}
-
-MeshDomain make_domain(const LabelVolume& labels, const MeshSettings& settings) {
-  const double body_edge_mm = finest_body_edge_mm(settings);
-  return make_domain(labels, settings.smoothing_mm, settings.smoothing_mm * body_edge_mm / settings.heart_edge_mm);
+void update_regions(MeshDomain& domain, const LabelVolume& labels, const Box& box) {
+  domain.voxels.resize(labels.voxels.size());
+  domain.cubes.resize(labels.voxels.size());
+  decide_voxels(domain, labels, box);
+  find_uniform_cubes(domain, box);
 }
 
 std::uint8_t region_at(const MeshDomain& domain, const Vec3& index) {

@@ -1,29 +1,36 @@
 // What to mesh: an implicit domain of several materials made from a label map. Mesher back ends ask only for the
 // region at a point and the wanted edge length there.
 //
-// Each label's indicator is smoothed by a Gaussian, which turns voxel stairs into smooth level sets of "shares" that
-// add up to 1 everywhere. Surfaces are taken in an order that keeps thin walls: first blood (share of the left or of
-// the right side of the heart above a half), then the heart as a whole, and the wall is what lies between. Both faces
-// of a thin wall are level sets of thick bodies, so that smoothing does not thin it. All other regions, and the
-// outside, compete by the largest share. Details that the torso's coarse edges cannot follow are smoothed away: what is
-// neither heart nor vessel may be smoothed more.
+// Each label's indicator is smoothed, which turns voxel stairs into smooth level sets of "shares" that add up to 1, and
+// what smoothing takes from thin and round parts is given back. Surfaces are taken in an order that keeps thin walls:
+// first blood (share of the left or of the right side of the heart above a half), then the heart as a whole, and the
+// wall is what lies between. Both faces of a thin wall are level sets of thick bodies, so that smoothing does not thin
+// it. All other regions, and the outside, compete by the largest share. Details that the torso's coarse edges cannot
+// follow are smoothed away: what is neither heart nor vessel may be smoothed more.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "generator/mesh/shares.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
 
 namespace heart::mesh {
 
-/// Share of one label in the smoothed map, on the box of voxels where it can differ from 0.
-struct ShareField {
-  std::uint8_t label = 0;  ///< region tag; 0 is the outside
-  Index3 first{0, 0, 0};   ///< voxel of the label map where the box begins
-  Volume<float> share;     ///< in [0, 1], values at voxel centres
-};
+constexpr std::size_t label_count = 18;
+
+constexpr std::uint32_t bits_of(const auto& regions) {
+  std::uint32_t bits = 0;
+  for (const Region r : regions) bits |= 1U << tag(r);
+  return bits;
+}
+
+/// What far from the heart gets edges of the torso (bit L: label L).
+constexpr std::uint32_t bulk_bits =
+    bits_of(std::array{Region::none, Region::lung, Region::bone, Region::liver, Region::torso});
 
 struct MeshDomain {
   Grid grid;                         ///< of the label map
@@ -35,10 +42,14 @@ struct MeshDomain {
   static constexpr std::uint8_t mixed = 255;
 };
 
-/// The smoothing is at least 0.6 voxels along each axis: less would follow the stairs. Lung, bone, liver, torso and the
-/// outside are smoothed by `body_smoothing_mm` if that is more.
+/// The smoothing is at least 1.3 voxels along each axis: less would follow the stairs. Lung, bone, liver, torso and the
+/// outside are smoothed by `body_smoothing_mm` if that is more. All other regions keep their volume, seen over some
+/// voxels, and nearly every voxel centre that has two neighbours of its label keeps its label.
 /// Throws UserError for a label that is not in the table of regions, or a map without any label.
 MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm, double body_smoothing_mm = 0);
+
+/// Sets `voxels` and `cubes` in a box from the shares; `labels` is the map that they come from.
+void update_regions(MeshDomain& domain, const LabelVolume& labels, const Box& box);
 
 /// What the meshes of the heart and the torso are made of: the body's smoothing grows with its finest edges as the
 /// heart's does with the heart's.

@@ -6,6 +6,7 @@
 
 #include "generator/lattice/balance.hpp"
 #include "generator/lattice/repair.hpp"
+#include "generator/lattice/separate.hpp"
 #include "generator/lattice/stuff.hpp"
 #include "generator/mesh/size_field.hpp"
 
@@ -82,6 +83,7 @@ Attempt attempt(const lattice::Materials& materials, double reach, std::span<con
   made.below_goal = lattice::repair(made.complex, materials, repairing);
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, repairing.least);
+  lattice::separate_sheets(made.complex, repairing.least);
   lattice::compress(made.complex);
   made.worst = 1;
   for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));

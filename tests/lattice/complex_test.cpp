@@ -6,6 +6,7 @@
 
 #include "generator/lattice/quality.hpp"
 #include "generator/lattice/ring.hpp"
+#include "generator/lattice/separate.hpp"
 #include "lattice/shapes.hpp"
 
 namespace {
@@ -105,6 +106,63 @@ TEST(Complex, StarsFollowAddedAndRemovedCells) {
     }
   EXPECT_EQ(c.star(0).size(), 5U);
   for (std::int32_t n = 2; n < 7; ++n) EXPECT_EQ(c.star(n).size(), 2U);
+}
+
+// Two cells whose tips point at each other; they overlap by `overlap`.
+Complex two_tips(double overlap) {
+  Complex c;
+  for (const double sign : {1.0, -1.0}) {
+    const Vec3 shift{sign > 0 ? 0.0 : 0.05, sign > 0 ? 0.0 : 0.03, sign > 0 ? 0.0 : 2 - overlap};
+    for (const Vec3& p : {Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{-0.5, 0.9, 0}, Vec3{-0.5, -0.9, 0}})
+      c.nodes_mm.push_back(shift + Vec3{p.x, p.y, sign * p.z});
+  }
+  c.cells = {{0, 1, 3, 2}, {4, 5, 6, 7}};
+  c.touches.assign(8, lattice::bit_of(0) | lattice::bit_of(1));
+  c.spacing_mm.assign(8, 1);
+  c.label.assign(2, 1);
+  lattice::connect(c);
+  return c;
+}
+
+bool is_inside(const Complex& c, const Cell& cell, const Vec3& p) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::array<Vec3, 4> q{c.at(cell[0]), c.at(cell[1]), c.at(cell[2]), c.at(cell[3])};
+    q[i] = p;
+    if (dot(q[1] - q[0], cross(q[2] - q[0], q[3] - q[0])) < 0) return false;
+  }
+  return true;
+}
+
+int points_in_both(const Complex& c) {
+  int count = 0;
+  for (double x = -0.3; x < 0.3; x += 0.01)
+    for (double y = -0.3; y < 0.3; y += 0.01)
+      for (double z = 0.7; z < 1.1; z += 0.01)
+        count += is_inside(c, c.cells[0], {x, y, z}) && is_inside(c, c.cells[1], {x, y, z});
+  return count;
+}
+
+TEST(Separate, SheetsThatPassThroughEachOtherAreDrawnBack) {
+  auto c = two_tips(0.15);
+  ASSERT_GT(least_volume(c), 0);
+  ASSERT_GT(points_in_both(c), 10);
+  EXPECT_EQ(lattice::separate_sheets(c, 0.1), 0);
+  EXPECT_EQ(points_in_both(c), 0);
+  for (const auto& cell : c.cells) EXPECT_GT(lattice::quality(c, cell), 0.1);
+}
+
+TEST(Separate, WhatDoesNotMeetStays) {
+  auto c = two_tips(-0.05);
+  const auto before = c.nodes_mm;
+  EXPECT_EQ(lattice::separate_sheets(c, 0.1), 0);
+  for (std::size_t n = 0; n < before.size(); ++n) EXPECT_EQ(norm(c.nodes_mm[n] - before[n]), 0);
+}
+
+TEST(Separate, FrozenNodesStayAndTheirPairsAreCounted) {
+  auto c = two_tips(0.15);
+  c.frozen.assign(8, 1);
+  EXPECT_GT(lattice::separate_sheets(c, 0.1), 0);
+  EXPECT_GT(points_in_both(c), 10);
 }
 
 }  // namespace

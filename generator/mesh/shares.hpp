@@ -1,0 +1,49 @@
+// Smooth shares of labels: a label's indicator under a smoothing that has no bias for what is round.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "model/labels.hpp"
+#include "model/volume.hpp"
+
+namespace heart::mesh {
+
+/// A box of voxels.
+struct Box {
+  Index3 low{INT64_MAX, INT64_MAX, INT64_MAX};
+  Index3 high{-1, -1, -1};  ///< inclusive
+  bool empty() const { return high[0] < 0; }
+  void add(const Index3& at);
+};
+
+/// Weights along each axis, of odd count, with sum 1.
+using Kernels = std::array<std::vector<float>, 3>;
+
+/// Gaussians of `sigma_voxels` along each axis.
+Kernels gaussian_kernels(const Vec3& sigma_voxels);
+
+/// Twice the Gaussian less the Gaussian applied twice: a kernel without a second moment. A Gaussian alone moves a
+/// surface of mean curvature H by sigma^2 H towards its hollow side and takes the volume of what is thin.
+Kernels sharp_kernels(const Vec3& sigma_voxels);
+
+/// Convolution along the three axes in place, border values continued. The same bits for any number of threads.
+void smooth(Volume<float>& volume, const Kernels& kernels);
+
+/// Share of one label in the smoothed map, on the box of voxels where it can differ from 0.
+struct ShareField {
+  std::uint8_t label = 0;  ///< region tag; 0 is the outside
+  Index3 first{0, 0, 0};   ///< voxel of the label map where the box begins
+  Volume<float> share;     ///< about [0, 1], values at voxel centres
+};
+
+/// The smoothed indicator of a label all of whose voxels lie in the box.
+ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box, const Kernels& kernels);
+
+/// The share at a voxel of the label map; 0 outside the field's box.
+float share_at(const ShareField& field, const Index3& voxel);
+
+/// Adds `amount` times the kernel around a voxel of the label map.
+void add_kernel(ShareField& field, const Index3& voxel, float amount, const Kernels& kernels);
+
+}  // namespace heart::mesh

@@ -98,4 +98,24 @@ void add_meeting_points(Nodes& nodes, const Materials& materials, double step_mm
     }
 }
 
+void add_side_nodes(Nodes& nodes, const Materials& materials) {
+  for (int side = 0; side < 4; ++side) {
+    const int across = side / 2, along = 1 - across;
+    Vec3 p = materials.box_min_mm;
+    p.z = 0;
+    p[across] = (side % 2 == 0 ? materials.box_min_mm : materials.box_max_mm)[across];
+    while (p[along] < materials.box_max_mm[along]) {
+      const double edge = materials.edge_mm(p);
+      const int label = materials.label_at(p);
+      const bool is_free = std::none_of(nodes.at_mm.begin(), nodes.at_mm.end(),
+                                        [&](const Vec3& other) { return norm(other - p) < apart * edge; });
+      if (label != 0 && is_free) {
+        nodes.at_mm.push_back(p);
+        nodes.touches.push_back(bit_of(label) | bit_of(lattice::first_side + side));
+      }
+      p[along] += edge;
+    }
+  }
+}
+
 }  // namespace heart::distmesh

@@ -11,4 +11,8 @@ Nodes box_corners(const Materials& materials, Dimension dimension);
 /// edge to another one, the first is taken. Two dimensions only.
 void add_meeting_points(Nodes& nodes, const Materials& materials, double step_mm);
 
+/// Adds nodes an edge apart along the sides of the box: between two corners no other node would be at the hull, and
+/// nothing would be bound there. None within half an edge of another. Two dimensions only.
+void add_side_nodes(Nodes& nodes, const Materials& materials);
+
 }  // namespace heart::distmesh

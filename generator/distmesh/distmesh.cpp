@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "generator/distmesh/bind.hpp"
 #include "generator/distmesh/corners.hpp"
 #include "generator/distmesh/start.hpp"
 #include "generator/lattice/feature.hpp"
+#include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 
 namespace heart::distmesh {
@@ -17,7 +19,6 @@ constexpr double control_until = 0.7;    // of the iterations: the rest only set
 constexpr double most_step = 0.25;       // of the edge, per iteration
 constexpr double most_correction = 0.5;  // of the edge, back onto an interface
 constexpr double most_offset = 0.05;     // of the edge, of a bound node from its interface
-constexpr int rebind_every = 5;
 constexpr int newton_steps = 3;
 
 struct Problem {
@@ -89,17 +90,32 @@ Vec3 allowed_place(const Materials& materials, const Vec3& from, const Vec3& tar
 /// Returns the greatest move of a node, in its edges.
 double move_nodes(Nodes& nodes, const Bars& bars, const Problem& problem) {
   const auto force = forces_on(nodes, bars, problem);
-  double greatest = 0;
-  for (std::size_t n = nodes.fixed; n < nodes.size(); ++n) {
-    if (constraints(nodes.touches[n]) >= static_cast<int>(problem.dimension)) continue;
+  std::vector<float> moved(nodes.size(), 0);
+  const auto move = [&](std::size_t n) {
+    if (constraints(nodes.touches[n]) >= static_cast<int>(problem.dimension)) return;
     const double edge = problem.materials->edge_mm(nodes.at_mm[n]);
     Vec3 step = problem.settings->step * force[n];
     if (norm(step) > most_step * edge) step = most_step * edge * normalized(step);
     const Vec3 from = nodes.at_mm[n];
     nodes.at_mm[n] = allowed_place(*problem.materials, from, from + step, nodes.touches[n], edge);
-    greatest = std::max(greatest, norm(nodes.at_mm[n] - from) / edge);
+    moved[n] = static_cast<float>(norm(nodes.at_mm[n] - from) / edge);
+  };
+  const auto first = static_cast<std::int64_t>(nodes.fixed), end = static_cast<std::int64_t>(nodes.size());
+  parallel::parallel_for(first, end, [&](std::int64_t from, std::int64_t to) {
+    for (auto n = from; n < to; ++n) move(static_cast<std::size_t>(n));
+  });
+  return static_cast<double>(*std::ranges::max_element(moved));
+}
+
+/// Share of the nodes that are farther than allowed from where they were when the bars were found.
+double share_moved(const Nodes& nodes, const std::vector<Vec3>& connected_at, const Problem& problem) {
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const Vec3 way = nodes.at_mm[n] - connected_at[n];
+    const double allowed = problem.settings->retriangulate * problem.materials->edge_mm(nodes.at_mm[n]);
+    count += dot(way, way) > allowed * allowed;
   }
-  return greatest;
+  return static_cast<double>(count) / static_cast<double>(nodes.size());
 }
 
 /// A node in the middle of a bar: on the interface that both ends share, or free.
@@ -176,6 +192,7 @@ Nodes first_nodes(const Problem& problem, double least_edge_mm) {
   if (problem.dimension == Dimension::two) {
     const Vec3 size = m.box_max_mm - m.box_min_mm;
     add_meeting_points(nodes, m, std::max(0.5 * least_edge_mm, std::sqrt(size.x * size.y / most_samples)));
+    add_side_nodes(nodes, m);
   }
   return nodes;
 }
@@ -203,20 +220,23 @@ void thin_out(Nodes& nodes, const Bars& bars, Dimension dimension, double least)
 
 /// Triangulates until no edge crosses an interface, or nothing helps any more.
 void finish(Truss& truss, const Problem& problem) {
-  constexpr int most_rounds = 8, dividing_rounds = 3;
+  constexpr int most_rounds = 8, thinning_rounds = 2, most_stalled = 3;
   constexpr double crowded = 0.4;
   auto& nodes = truss.nodes;
   const auto& m = *problem.materials;
-  for (int round = 0; round < most_rounds; ++round) {
+  auto fewest = std::numeric_limits<std::int64_t>::max();
+  for (int round = 0, stalled = 0; round < most_rounds && stalled < most_stalled; ++round) {
     truss.simplices = delaunay(nodes, problem.dimension);
     truss.crossing = resolve_crossings(nodes, truss.simplices, m, problem.dimension);
     drop_simplices_outside(nodes, truss.simplices, m);
     const auto bound = std::ranges::count_if(nodes.touches, lattice::is_constrained);
     bind_hull(nodes, truss.simplices, m, problem.dimension);
     if (truss.crossing == 0 && bound == std::ranges::count_if(nodes.touches, lattice::is_constrained)) break;
+    stalled = truss.crossing < fewest ? 0 : stalled + 1;
+    fewest = std::min(fewest, truss.crossing);
     const auto bars = bars_of(nodes, truss.simplices, m);
-    if (truss.crossing > 0 && round < dividing_rounds) divide_crossings(nodes, truss.simplices, m, problem.dimension);
-    thin_out(nodes, bars, problem.dimension, crowded);
+    if (truss.crossing > 0) divide_crossings(nodes, truss.simplices, m, problem.dimension);
+    if (round < thinning_rounds) thin_out(nodes, bars, problem.dimension, crowded);
   }
   drop_outside(nodes);
   truss.simplices = delaunay(nodes, problem.dimension);
@@ -231,40 +251,41 @@ TrussSettings usual_settings(Dimension dimension) {
   TrussSettings settings;
   if (dimension == Dimension::three) {
     settings.pressure = 1.1;
-    settings.iterations = 60;
+    settings.iterations = 30;
+    settings.moved_share = 0.05;
   }
   return settings;
 }
 
-Truss relax(const Materials& materials, Dimension dimension, double least_edge_mm, const TrussSettings& settings) {
+Truss relax(Nodes start, const Materials& materials, Dimension dimension, const TrussSettings& settings) {
   const Problem problem{&materials, dimension, &settings};
   Truss truss;
-  auto& nodes = truss.nodes;
-  nodes = first_nodes(problem, least_edge_mm);
-  add_start_nodes(nodes, materials, dimension, least_edge_mm);
+  auto& nodes = truss.nodes = std::move(start);
   if (nodes.size() < static_cast<std::size_t>(dimension) + 1)
     throw UserError("no part of the domain is as large as an edge", "mesh", "give a smaller edge length");
   auto bars = connect_bars(nodes, problem);
   drop_outside(nodes);
   bars = connect_bars(nodes, problem);
-  double moved = 0;
+  auto connected_at = nodes.at_mm;
   for (int i = 1; i <= settings.iterations; ++i) {
     truss.iterations = i;
-    const double step = move_nodes(nodes, bars, problem);
-    moved += step;
-    if (step < settings.still) break;
+    if (move_nodes(nodes, bars, problem) < settings.still) break;
     const bool controls = i % control_every == 0 && i < control_until * settings.iterations;
+    if (!controls && share_moved(nodes, connected_at, problem) < settings.moved_share) continue;
     if (controls) control_density(nodes, bars, problem);
-    if (i % rebind_every == 0) {
-      rebind(nodes, materials, dimension);
-      drop_outside(nodes);
-    }
-    if (!controls && i % rebind_every != 0 && moved < settings.retriangulate) continue;
+    rebind(nodes, materials, dimension);
+    drop_outside(nodes);
     bars = connect_bars(nodes, problem);
-    moved = 0;
+    connected_at = nodes.at_mm;
   }
   finish(truss, problem);
   return truss;
+}
+
+Truss relax(const Materials& materials, Dimension dimension, double least_edge_mm, const TrussSettings& settings) {
+  auto nodes = first_nodes({&materials, dimension, &settings}, least_edge_mm);
+  add_start_nodes(nodes, materials, dimension, least_edge_mm);
+  return relax(std::move(nodes), materials, dimension, settings);
 }
 
 }  // namespace heart::distmesh

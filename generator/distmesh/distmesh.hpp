@@ -23,7 +23,8 @@ struct TrussSettings {
   int iterations = 120;
   double pressure = 1.2;       ///< bars want to be this much longer than there is room; 1.1 in three dimensions
   double step = 0.2;           ///< of the force, per iteration
-  double retriangulate = 0.1;  ///< movement (in edges) after which the bars are found anew
+  double retriangulate = 0.1;  ///< the bars are found anew when nodes have moved by so many edges since they were,
+  double moved_share = 0.01;   ///< so large a share of all nodes
   double still = 0.002;        ///< movement (in edges) per iteration at which the truss is at rest
   double shortest_bar = 0.55, longest_bar = 1.6;  ///< in wanted lengths: beyond, nodes are removed and added
   std::vector<Vec3> fixed_mm;                     ///< nodes at corners and rims that the mesh must have
@@ -40,7 +41,11 @@ struct Truss {
   int iterations = 0;
 };
 
-/// `least_edge_mm` is the least of materials.edge_mm. Throws UserError when no node lies in any label.
+/// From nodes that are bound already, by a lattice for example. Throws UserError when there are too few.
+Truss relax(Nodes start, const Materials& materials, Dimension dimension, const TrussSettings& settings);
+
+/// From nodes of its own. `least_edge_mm` is the least of materials.edge_mm. Throws UserError when no node lies in any
+/// label.
 Truss relax(const Materials& materials, Dimension dimension, double least_edge_mm, const TrussSettings& settings);
 
 }  // namespace heart::distmesh

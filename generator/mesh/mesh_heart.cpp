@@ -12,6 +12,7 @@
 #include "generator/adapters/cgal_mesher.hpp"
 #include "generator/mesh/border.hpp"
 #include "generator/mesh/curves.hpp"
+#include "generator/mesh/distmesh_cells.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/improve.hpp"
 #include "generator/mesh/lattice_cells.hpp"
@@ -29,7 +30,7 @@ constexpr double layer_edges = 1.0;       // thickness of the layer around the i
 constexpr std::int64_t crumb_cells = 30;  // pieces of a region of so few cells go to their neighbour
 constexpr double seed_distance = 0.4;     // distance between first points, in local edges
 
-constexpr std::array<std::string_view, 3> backends{"lattice", "cgal", "tetgen"};
+constexpr std::array<std::string_view, 4> backends{"lattice", "distmesh", "cgal", "tetgen"};
 
 constexpr std::array orifices{"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"};
 
@@ -202,9 +203,10 @@ TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, Lat
   const auto domain = make_domain(labels, settings);
   const bool is_delaunay = settings.backend == "cgal";
   const auto sizes = size_field(domain, settings, is_delaunay ? ThinParts::ignored : ThinParts::resolved);
-  auto cells = is_delaunay                    ? delaunay_cells(domain, sizes)
-               : settings.backend == "tetgen" ? tetgen_cells(domain, sizes, manifold_sets(), crumb_cells, report)
-                                              : lattice_cells(domain, sizes, manifold_sets(), crumb_cells, report);
+  auto cells = is_delaunay                      ? delaunay_cells(domain, sizes)
+               : settings.backend == "tetgen"   ? tetgen_cells(domain, sizes, manifold_sets(), crumb_cells, report)
+               : settings.backend == "distmesh" ? distmesh_cells(domain, sizes, manifold_sets(), crumb_cells, report)
+                                                : lattice_cells(domain, sizes, manifold_sets(), crumb_cells, report);
   sort_cells(cells.nodes_mm, cells.cells, cells.label);
   auto mesh = assemble(
       cells.nodes_mm, cells.cells, cells.label, [](std::int32_t label) { return label > 0 && label < beyond_border; },

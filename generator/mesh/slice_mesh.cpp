@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "generator/distmesh/balance_curves.hpp"
 #include "generator/distmesh/distmesh.hpp"
 #include "generator/distmesh/improve_triangles.hpp"
 #include "generator/lattice/feature.hpp"
@@ -85,6 +86,33 @@ LabelVolume four_tissues(const LabelVolume& labels, std::int64_t index) {
 
 Vec3 index_of(const Grid& grid, const Vec3& p) { return {p.x / grid.spacing_mm.x, p.y / grid.spacing_mm.y, 0}; }
 
+Mask muscle_of(const LabelVolume& tissues) {
+  Mask muscle(tissues.grid, 0);
+  for (std::size_t v = 0; v < muscle.voxels.size(); ++v)
+    muscle.voxels[v] = tissues.voxels[v] == tag(Region::lv_myocardium);
+  return muscle;
+}
+
+// Grows with the distance from the muscle.
+double whole_edge_mm(const SliceSettings& settings, float from_muscle_mm) {
+  return std::min(settings.torso_edge_mm, settings.edge_mm + settings.growth * static_cast<double>(from_muscle_mm));
+}
+
+// Before the work: equilateral triangles of the wanted edges, and as many again at interfaces.
+void refuse_too_many(const LabelVolume& tissues, const SliceSettings& settings) {
+  constexpr double most_triangles = 2e7, at_interfaces = 2;
+  const auto from_muscle = segment::distance_to(muscle_of(tissues));
+  const double pixel_mm2 = tissues.grid.spacing_mm.x * tissues.grid.spacing_mm.y;
+  double triangles = 0;
+  for (std::size_t v = 0; v < tissues.voxels.size(); ++v) {
+    const double edge = whole_edge_mm(settings, from_muscle.voxels[v]);
+    if (tissues.voxels[v] != 0) triangles += at_interfaces * pixel_mm2 / (0.25 * std::numbers::sqrt3 * edge * edge);
+  }
+  if (triangles > most_triangles)
+    throw UserError(fmt::format("an edge of {} mm gives about {:.1g} triangles", settings.edge_mm, triangles), "slice",
+                    fmt::format("give a longer edge: at most {:.0g} triangles are made", most_triangles));
+}
+
 /// Labels and wanted edges on a grid about as fine as the edges.
 struct FineSlice {
   LabelVolume labels;
@@ -124,24 +152,53 @@ Mask beside_interfaces(const LabelVolume& labels) {
   return mask;
 }
 
+constexpr double interface_growth = 0.25;  // of the edge per mm of distance from an interface, until it is whole
+
+// Parts of a tissue in which no disc of the radius fits get the edge `edge_mm`, and it grows from there. The discs'
+// centres are the places farther than the radius from every interface. Corners of thick parts are spared by the factor.
+void lower_in_thin_parts(Volume<float>& edges, const Volume<float>& from_interface, double radius_mm, double edge_mm) {
+  constexpr double beyond_corners = 2;
+  Mask centers(edges.grid, 0), thin(edges.grid, 0);
+  for (std::size_t v = 0; v < centers.voxels.size(); ++v)
+    centers.voxels[v] = static_cast<double>(from_interface.voxels[v]) >= radius_mm;
+  const auto from_centers = segment::distance_to(centers);
+  for (std::size_t v = 0; v < thin.voxels.size(); ++v)
+    thin.voxels[v] = static_cast<double>(from_centers.voxels[v]) > beyond_corners * radius_mm;
+  const auto from_thin = segment::distance_to(thin);
+  for (std::size_t v = 0; v < thin.voxels.size(); ++v) {
+    const double edge = edge_mm + interface_growth * static_cast<double>(from_thin.voxels[v]);
+    edges.voxels[v] = std::min(edges.voxels[v], static_cast<float>(edge));
+  }
+}
+
+// Half the width of a part is two edges at least (a disc of that radius has twelve sides), and one where that asks for
+// edges below a pixel.
+void resolve_thin_parts(FineSlice& fine, const Volume<float>& from_interface, double pixel_mm, double torso_edge_mm) {
+  const double half_sample = 0.5 * std::min(fine.labels.grid.spacing_mm.x, fine.labels.grid.spacing_mm.y);
+  const double finest = 0.5 * pixel_mm;
+  double edge = 0.5 * torso_edge_mm;
+  while (edge > finest) {
+    const double edges_in_half_width = edge > pixel_mm ? 2 : 1;
+    const double radius = std::max(edges_in_half_width * edge - half_sample, half_sample);
+    edge /= 2;
+    lower_in_thin_parts(fine.edge_mm, from_interface, radius, std::max(edge, finest));
+  }
+}
+
 // Thesis 8.3.1: grows continuously with the distance from the muscle, and is halved towards every interface.
 FineSlice fine_slice(const MeshDomain& domain, const SliceSettings& settings) {
-  constexpr double interface_growth = 0.25;  // of the edge per mm of distance from an interface, until it is whole
   FineSlice fine{fine_labels(domain, settings.edge_mm), {}};
   const Grid& grid = fine.labels.grid;
-  Mask muscle(grid, 0);
-  for (std::size_t v = 0; v < muscle.voxels.size(); ++v)
-    muscle.voxels[v] = fine.labels.voxels[v] == tag(Region::lv_myocardium);
-  const bool has_muscle = std::ranges::count(muscle.voxels, 1) > 0;
-  const auto from_muscle = has_muscle ? segment::distance_to(muscle) : Volume<float>(grid, 1e6F);
+  const auto from_muscle = segment::distance_to(muscle_of(fine.labels));
   const auto from_interface = segment::distance_to(beside_interfaces(fine.labels));
   fine.edge_mm = Volume<float>(grid);
   for (std::size_t v = 0; v < fine.edge_mm.voxels.size(); ++v) {
-    const double whole = std::min(settings.torso_edge_mm,
-                                  settings.edge_mm + settings.growth * static_cast<double>(from_muscle.voxels[v]));
+    const double whole = whole_edge_mm(settings, from_muscle.voxels[v]);
     const double beside = 0.5 * whole + interface_growth * static_cast<double>(from_interface.voxels[v]);
     fine.edge_mm.voxels[v] = static_cast<float>(std::min(whole, beside));
   }
+  resolve_thin_parts(fine, from_interface, std::min(domain.grid.spacing_mm.x, domain.grid.spacing_mm.y),
+                     settings.torso_edge_mm);
   return fine;
 }
 
@@ -276,7 +333,9 @@ TriMesh mesh_slice(const LabelVolume& labels, std::int64_t index, const SliceSet
   };
   check_settings(settings);
   const auto start = Clock::now();
-  const auto domain = make_domain(four_tissues(labels, index), settings.smoothing_mm);
+  const auto tissues = four_tissues(labels, index);
+  refuse_too_many(tissues, settings);
+  const auto domain = make_domain(tissues, settings.smoothing_mm);
   const auto fine = fine_slice(domain, settings);
   const auto materials = materials_of(domain, fine);
   auto truss_settings = distmesh::usual_settings(distmesh::Dimension::two);
@@ -284,7 +343,9 @@ TriMesh mesh_slice(const LabelVolume& labels, std::int64_t index, const SliceSet
   const double least_edge = static_cast<double>(*std::ranges::min_element(fine.edge_mm.voxels));
   auto mesh = distmesh::triangles_of(distmesh::relax(materials, distmesh::Dimension::two, least_edge, truss_settings));
   const double truss_seconds = seconds_since(start);
-  distmesh::improve_triangles(mesh, materials, {});
+  const distmesh::TriangleGoal goal;
+  distmesh::improve_triangles(mesh, materials, goal);
+  distmesh::balance_curves(mesh, materials, goal.angle_deg);
   if (report != nullptr) {
     *report = {};
     report->seconds_truss = truss_seconds;

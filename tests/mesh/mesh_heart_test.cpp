@@ -53,8 +53,9 @@ TEST(MeshLabels, SurfaceIsSmoothNotVoxelStairs) {
   auto settings = coarse();
   settings.blood_edge_mm = 3;  // so that chords err less than the voxels
   const auto mesh = mesh::mesh_labels(labels, settings);
+  constexpr double half_voxel_mm = 0.75;
   for (const auto& face : mesh.faces)
-    for (const auto n : face) EXPECT_NEAR(norm(mesh.nodes_mm[static_cast<std::size_t>(n)]), 13, 0.6);
+    for (const auto n : face) EXPECT_NEAR(norm(mesh.nodes_mm[static_cast<std::size_t>(n)]), 13, half_voxel_mm);
 }
 
 TEST(MeshLabels, ThinShellKeepsItsTopology) {

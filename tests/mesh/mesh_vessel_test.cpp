@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "mesh/shapes.hpp"
 #include "model/error.hpp"
@@ -58,9 +59,14 @@ TEST(VesselEnds, BumpIsNoEnd) {
   EXPECT_EQ(mesh::find_vessel_ends(mask).size(), 2U);
 }
 
-TEST(MeshVessel, ForkedTubeIsCutByPlanes) {
+class MeshVesselBy : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Backends, MeshVesselBy, ::testing::Values("lattice", "cgal"),
+                         [](const auto& backend) { return std::string(backend.param); });
+
+TEST_P(MeshVesselBy, ForkedTubeIsCutByPlanes) {
   MeshSettings settings;
-  settings.carotid_edge_mm = 1.2;
+  settings.backend = GetParam();
+  settings.carotid_edge_mm = 1.6;
   const auto mesh = mesh::mesh_vessel(as_mask(y_tube()), Region::carotid, settings);
   const auto report = validation::check_mesh("carotid", mesh, ValidationSettings{});
   EXPECT_TRUE(all_passed(report)) << failed_rows(report);
@@ -90,6 +96,43 @@ TEST(MeshVessel, ForkedTubeIsCutByPlanes) {
     const double radius = number == 1 ? 3 : number == 2 ? 2.5 : 4;
     EXPECT_NEAR(flat_area, std::numbers::pi * radius * radius, 0.15 * std::numbers::pi * radius * radius);
   }
+}
+
+TEST(MeshVessel, TheLatticeKeepsItsAngles) {
+  for (const double edge_mm : {1.1, 1.7}) {
+    MeshSettings settings;
+    settings.carotid_edge_mm = edge_mm;
+    const auto mesh = mesh::mesh_vessel(as_mask(y_tube()), Region::carotid, settings);
+    const auto report = validation::check_mesh("carotid", mesh, ValidationSettings{});
+    EXPECT_GE(row_value(report, "carotid", "dihedral_min"), 25) << edge_mm;
+    EXPECT_LE(row_value(report, "carotid", "dihedral_max"), 145) << edge_mm;
+  }
+}
+
+/// The boundary layer: edges at the wall are about half as long as those at the axis.
+TEST(MeshVessel, TheCarotidIsFinerAtItsWall) {
+  MeshSettings settings;
+  settings.carotid_edge_mm = 1.6;
+  const auto mesh = mesh::mesh_vessel(as_mask(label_cube(40, 0.8,
+                                                         [](const Vec3& p) {
+                                                           const bool inside = std::hypot(p.x, p.y) < 6;
+                                                           return inside ? Region::carotid : Region::none;
+                                                         })),
+                                      Region::carotid, settings);
+  double wall = 0, axis = 0, at_wall = 0, at_axis = 0;
+  for (const auto& cell : mesh.cells)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const Vec3 a = mesh.nodes_mm[static_cast<std::size_t>(cell[i])];
+        const Vec3 b = mesh.nodes_mm[static_cast<std::size_t>(cell[j])];
+        const double inner = std::min(std::hypot(a.x, a.y), std::hypot(b.x, b.y));
+        const double outer = std::max(std::hypot(a.x, a.y), std::hypot(b.x, b.y));
+        if (inner > 5) wall += norm(a - b), ++at_wall;
+        if (outer < 3) axis += norm(a - b), ++at_axis;
+      }
+  ASSERT_GT(at_wall, 100);
+  ASSERT_GT(at_axis, 100);
+  EXPECT_NEAR((wall / at_wall) / (axis / at_axis), 0.5, 0.15);
 }
 
 TEST(MeshVessel, TracheaThatLeavesTheImageIsCutInside) {

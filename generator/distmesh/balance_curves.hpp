@@ -1,0 +1,13 @@
+// The sides of a polygon in a curve all lie on its hollow side: areas shrink, and every side errs to one side. A small
+// shift of the nodes to the other side sets the area right and lowers the greatest distance (see lattice/balance.hpp).
+#pragma once
+#include "generator/distmesh/triangles.hpp"
+
+namespace heart::distmesh {
+
+/// Shifts nodes between exactly two labels, and on no side of the box, along the curve's normal by two thirds of the
+/// mean error of their sides' middles: the mean distance of a parabola's chord. Kept where no triangle falls below
+/// `least_deg` or, if it is below already, gets worse. To be done last: smoothing undoes it.
+void balance_curves(Triangles& mesh, const Materials& materials, double least_deg);
+
+}  // namespace heart::distmesh

@@ -1,0 +1,57 @@
+#include "generator/mesh/distmesh_cells.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "generator/distmesh/tetrahedra.hpp"
+#include "generator/lattice/balance.hpp"
+#include "generator/lattice/repair.hpp"
+#include "generator/lattice/separate.hpp"
+#include "generator/lattice/stuff.hpp"
+
+namespace heart::mesh {
+namespace {
+
+/// Gives cells their final labels and drops those outside.
+void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
+  std::vector<std::int32_t> label(complex.label.begin(), complex.label.end());
+  settle_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
+  for (std::size_t c = 0; c < label.size(); ++c) complex.label[c] = static_cast<std::uint8_t>(label[c]);
+  lattice::derive_touches(complex);
+  lattice::compress(complex);
+}
+
+}  // namespace
+
+adapters::LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
+                                       std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
+                                       LatticeReport* report) {
+  using Clock = std::chrono::steady_clock;
+  auto last = Clock::now();
+  const auto note = [&](const char* step) {
+    const auto now = Clock::now();
+    if (report != nullptr) report->seconds.emplace_back(step, std::chrono::duration<double>(now - last).count());
+    last = now;
+  };
+  const auto materials = materials_of(domain, sizes_mm);
+  auto complex = lattice::stuff(materials, {});
+  settle(complex, manifold_sets, crumb_cells);
+  note("stuff");
+  const auto truss = distmesh::relax({std::move(complex.nodes_mm), std::move(complex.touches)}, materials,
+                                     distmesh::Dimension::three, distmesh::usual_settings(distmesh::Dimension::three));
+  note("truss");
+  complex = distmesh::complex_of(truss, materials);
+  settle(complex, manifold_sets, crumb_cells);
+  note("settle");
+  const lattice::RepairSettings settings;
+  const auto below = lattice::repair(complex, materials, settings);
+  note("repair");
+  lattice::balance_surfaces(complex, materials, settings.least);
+  lattice::separate_sheets(complex, settings.least);
+  lattice::compress(complex);
+  note("balance");
+  if (report != nullptr) report->cells_below_goal = below;
+  return collect(complex, domain.grid);
+}
+
+}  // namespace heart::mesh

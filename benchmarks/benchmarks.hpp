@@ -12,8 +12,10 @@ namespace heart::benchmarks {
 struct Settings {
   Index3 size{512, 512, 199};  ///< of the phantom that `segment` and `epicardium` work on
   Vec3 spacing_mm{0.5, 0.5, 1.2};
-  int repeats = 7;  ///< of the short ones, of which the median counts
-  int threads = 2;  ///< most threads that are used
+  int repeats = 7;     ///< of the short ones, of which the median counts
+  int threads = 2;     ///< most threads that are used
+  std::string labels;  ///< label map for the mesh benchmarks; empty: a phantom's
+  int variant = 0;     ///< of that phantom
 };
 
 struct Benchmark {
@@ -32,7 +34,12 @@ Table bench_ranks(const Settings& settings, const parallel::Comm& comm);
 Table bench_segment(const Settings& settings, const parallel::Comm& comm);
 Table bench_epicardium(const Settings& settings, const parallel::Comm& comm);
 
-/// On the root only; domains and sizes are its own.
-Table bench_mesh(const Settings& settings, const parallel::Comm& comm);
+// On the root only; sizes are their own.
+Table bench_mesh_scaling(const Settings& settings, const parallel::Comm& comm);
+Table bench_mesh_ventricles(const Settings& settings, const parallel::Comm& comm);
+Table bench_mesh_walls(const Settings& settings, const parallel::Comm& comm);
+Table bench_mesh_torso(const Settings& settings, const parallel::Comm& comm);
+Table bench_mesh_vessels(const Settings& settings, const parallel::Comm& comm);
+Table bench_mesh_slice(const Settings& settings, const parallel::Comm& comm);
 
 }  // namespace heart::benchmarks

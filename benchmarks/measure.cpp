@@ -4,6 +4,8 @@
 #include <chrono>
 #include <ctime>
 #include <fstream>
+#include <limits>
+#include <string>
 
 #include "generator/parallel/threads.hpp"
 
@@ -40,6 +42,8 @@ double now() {
 }  // namespace
 
 void count_processor_time(bool instead) { processor_time = instead; }
+
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double seconds(const std::function<void()>& work) {
   const double begin = now();
@@ -90,5 +94,12 @@ void start_peak() {
 }
 
 double peak_bytes() { return std::max(0.0, status_bytes("VmHWM") - held_at_start); }
+
+double free_bytes() {
+  std::ifstream file("/proc/meminfo");
+  for (std::string word; file >> word;)
+    if (double kilobytes = 0; word == "MemAvailable:" && file >> kilobytes) return 1024 * kilobytes;
+  return std::numeric_limits<double>::max();
+}
 
 }  // namespace heart::benchmarks

@@ -27,6 +27,9 @@ void count_processor_time(bool instead);
 /// Seconds of work().
 double seconds(const std::function<void()>& work);
 
+/// Processor time of all threads of this process so far.
+double processor_seconds();
+
 /// Median of `repeats` runs, after one that is not counted.
 double median_seconds(int repeats, const std::function<void()>& work);
 
@@ -41,5 +44,8 @@ double triad_bandwidth();
 /// 0 where the system cannot tell.
 void start_peak();
 double peak_bytes();
+
+/// Memory that the system could still give to this process, in bytes; huge where the system cannot tell.
+double free_bytes();
 
 }  // namespace heart::benchmarks

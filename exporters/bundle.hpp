@@ -28,9 +28,10 @@ struct Bundle {
   std::string version;
   std::string license;  ///< SPDX identifier
   std::string author;
-  std::string date_published;  ///< YYYY-MM-DD from the recipe; may be empty
-  std::string recipe;          ///< recipe.toml with every default, input folders dropped
-  std::string atlas;           ///< one sentence on where the fibres come from; empty: no fibres
+  std::string date_published;            ///< YYYY-MM-DD from the recipe; may be empty
+  std::string recipe;                    ///< recipe.toml with every default, input folders dropped
+  std::string atlas;                     ///< one sentence on where the fibres come from; empty: no fibres
+  std::vector<double> torso_from_heart;  ///< pose in another patient's torso, 3 rows of 4 numbers; empty: its own
   LabelVolume labels;
   std::map<std::string, TetMesh> meshes;  ///< "myocardium", "torso" ...
   Report metrics;
@@ -69,6 +70,7 @@ struct Manifest {
   std::vector<ManifestFile> files;  ///< sorted by path; without manifest.json and logs/
   std::vector<BundleInput> inputs;
   std::map<std::string, std::string> tools;
+  std::vector<double> torso_from_heart;  ///< as in Bundle; not written where empty
 };
 
 enum class Existing { refuse, replace };

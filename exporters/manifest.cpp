@@ -60,12 +60,14 @@ ManifestMesh describe_mesh(const std::string& name, const TetMesh& mesh) {
 }
 
 Json manifest_json(const Manifest& m) {
-  return {{"schema", m.schema},   {"name", m.name},         {"version", m.version},
-          {"license", m.license}, {"author", m.author},     {"date_published", m.date_published},
-          {"atlas", m.atlas},     {"unit", m.unit},         {"frame", m.frame},
-          {"regions", m.regions}, {"surfaces", m.surfaces}, {"rims", m.rims},
-          {"meshes", m.meshes},   {"files", m.files},       {"content_id", m.content_id},
-          {"inputs", m.inputs},   {"tools", m.tools}};
+  Json json = {{"schema", m.schema},   {"name", m.name},         {"version", m.version},
+               {"license", m.license}, {"author", m.author},     {"date_published", m.date_published},
+               {"atlas", m.atlas},     {"unit", m.unit},         {"frame", m.frame},
+               {"regions", m.regions}, {"surfaces", m.surfaces}, {"rims", m.rims},
+               {"meshes", m.meshes},   {"files", m.files},       {"content_id", m.content_id},
+               {"inputs", m.inputs},   {"tools", m.tools}};
+  if (!m.torso_from_heart.empty()) json["torso_from_heart"] = m.torso_from_heart;
+  return json;
 }
 
 Manifest manifest_from(const Json& json) {
@@ -87,6 +89,7 @@ Manifest manifest_from(const Json& json) {
   json.at("content_id").get_to(m.content_id);
   json.at("inputs").get_to(m.inputs);
   json.at("tools").get_to(m.tools);
+  if (json.contains("torso_from_heart")) json.at("torso_from_heart").get_to(m.torso_from_heart);
   return m;
 }
 
@@ -125,6 +128,7 @@ Manifest describe_bundle(const Bundle& bundle) {
   m.frame = "LPS";
   m.inputs = bundle.inputs;
   m.tools = bundle.tools;
+  m.torso_from_heart = bundle.torso_from_heart;
   std::array<bool, 256> in_labels{};
   for (const auto voxel : bundle.labels.voxels) in_labels[voxel] = true;
   std::set<std::int32_t> regions, surfaces;

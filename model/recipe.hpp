@@ -14,7 +14,7 @@ namespace heart {
 
 struct InputSettings {
   std::string ct;           // CT volume: .nii[.gz], .nrrd, .mhd, .mha, or a folder with one DICOM series
-  std::string atlas;        // fibre atlas (.vtk or .vtu with point or cell vectors); empty: the built-in stand-in
+  std::string atlas;        // fibre atlas (.vtk, .vtu, .exnode or .exelem); empty: the built-in stand-in
   std::string labels;       // labels from elsewhere: an image, or a folder with one mask per structure, see [labels]
   std::string label_names;  // names of their values (.csv or .json); empty: those in the file, or the preset's
   std::string landmarks;    // JSON file with seeds and valve planes; the [landmarks] section overrides it
@@ -23,7 +23,7 @@ struct InputSettings {
   template <class V>
   static void describe(V&& v, auto& s) {
     v("ct", s.ct, "CT volume: NIfTI, NRRD, MetaImage, or a folder with one DICOM series");
-    v("atlas", s.atlas, "fibre atlas (.vtk, .vtu); empty: the built-in stand-in atlas");
+    v("atlas", s.atlas, "fibre atlas (.vtk, .vtu, .exnode); empty: the built-in stand-in atlas");
     v("labels", s.labels, "labels from elsewhere: an image, or a folder with one mask per structure; see [labels]");
     v("label_names", s.label_names,
       "names of the labels' values (.csv or .json); empty: the file's own or the preset's");
@@ -200,7 +200,7 @@ struct TorsoSettings {
 };
 
 struct MeshSettings {
-  std::string backend = "lattice";  // of the heart and the torso: "lattice", "cgal" or "tetgen"
+  std::string backend = "lattice";  // of the heart and the torso: "lattice", "distmesh", "cgal" or "tetgen"
   std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
   double heart_edge_mm = 1.8;          // edge length in the walls of the heart
   std::vector<double> resolutions_mm;  // further edge lengths, each for one more mesh of the walls alone

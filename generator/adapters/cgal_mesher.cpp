@@ -6,6 +6,8 @@
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Random.h>
+#include <CGAL/exude_mesh_3.h>
+#include <CGAL/perturb_mesh_3.h>
 #include <CGAL/refine_mesh_3.h>
 
 #include <algorithm>
@@ -74,10 +76,13 @@ void refine(Complex& complex, const Domain& domain, const ImplicitDomain& implic
                           parameters::facet_distance = ScaledSize{&implicit, settings.surface_distance},
                           parameters::cell_radius_edge_ratio = settings.radius_edge_ratio,
                           parameters::cell_size = ScaledSize{&implicit, cell_radius_per_edge});
-  // No optimisers: perturbation and exudation need time limits (exudation can go on for ever without one), so that
-  // their result would depend on the clock.
+  // No optimisers by default: perturbation and exudation need time limits (exudation can go on for ever without one),
+  // so that their result would depend on the clock.
   CGAL::refine_mesh_3(complex, domain, criteria, parameters::no_reset_c3t3(), parameters::no_perturb(),
                       parameters::no_exude(), parameters::no_odt(), parameters::no_lloyd());
+  if (settings.optimise_seconds <= 0) return;
+  CGAL::perturb_mesh_3(complex, domain, parameters::time_limit = settings.optimise_seconds);
+  CGAL::exude_mesh_3(complex, parameters::time_limit = settings.optimise_seconds);
 }
 
 bool comes_before(const Vec3& a, const Vec3& b) {

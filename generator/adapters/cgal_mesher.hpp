@@ -1,6 +1,6 @@
 // Delaunay refinement of an implicit domain of several materials: CGAL's Mesh_3 hidden behind plain data. Sequential
-// and without its optimisers, whose end depends on time limits: the same input gives the same bits. Rineau and
-// Yvinec 2008; protecting balls: Cheng, Dey and Shewchuk 2012.
+// and (but for comparisons) without its optimisers, whose end depends on time limits: the same input gives the same
+// bits. Rineau and Yvinec 2008; protecting balls: Cheng, Dey and Shewchuk 2012.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -32,6 +32,9 @@ struct DelaunaySettings {
   double facet_angle_deg = 25;      ///< least angle of a surface triangle; termination is certain up to 30
   double radius_edge_ratio = 2;     ///< greatest circumradius over shortest edge of a cell
   double precision_mm = 1e-3;       ///< of vertices on surfaces
+  /// For comparisons only: above 0, CGAL's perturbation and exudation follow, each for so many seconds at most. The
+  /// result then depends on the clock.
+  double optimise_seconds = 0;
 };
 
 /// The Delaunay cells of all vertices: they fill the convex hull, with label 0 outside the domain.

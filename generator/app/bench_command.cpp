@@ -22,17 +22,18 @@ std::vector<Benchmark> chosen(const std::vector<std::string>& names) {
   for (const auto& bench : benchmarks::all()) known.push_back(bench.name);
   std::vector<Benchmark> list;
   for (const auto& name : names) {
-    const auto found = std::find(known.begin(), known.end(), name);
-    if (found == known.end())
+    const auto before = list.size();
+    for (const auto& bench : benchmarks::all())
+      if (bench.name == name || bench.name.starts_with(name + "-")) list.push_back(bench);
+    if (list.size() == before)
       throw UserError(fmt::format("unknown benchmark \"{}\"", name), "bench",
                       fmt::format("did you mean \"{}\"? Known: {}", nearest_name(name, known), fmt::join(known, ", ")));
-    list.push_back(benchmarks::all()[static_cast<std::size_t>(found - known.begin())]);
   }
   return list;
 }
 
 void print(const Row& row) {
-  fmt::print("{:<12}{:<62}{:>10.4g} {:<12}{}\n", row.bench, row.what, row.value, row.unit,
+  fmt::print("{:<17}{:<62}{:>10.4g} {:<12}{}\n", row.bench, row.what, row.value, row.unit,
              row.note.empty() ? "" : "  " + row.note);
   std::fflush(stdout);
 }
@@ -40,7 +41,8 @@ void print(const Row& row) {
 }  // namespace
 
 int bench_command(const BenchCommand& command, const parallel::Comm& comm) {
-  const benchmarks::Settings settings{command.size, command.spacing_mm, command.repeats, command.threads};
+  const benchmarks::Settings settings{command.size,    command.spacing_mm, command.repeats,
+                                      command.threads, command.labels,     command.variant};
   benchmarks::count_processor_time(command.processor_time);
   Json all = Json::array();
   for (const auto& bench : chosen(command.names))
@@ -56,7 +58,7 @@ int bench_command(const BenchCommand& command, const parallel::Comm& comm) {
 
 std::string bench_help() {
   std::string text = "Benchmarks (all of them when none is named):\n";
-  for (const auto& bench : benchmarks::all()) text += fmt::format("  {:<12} {}\n", bench.name, bench.help);
+  for (const auto& bench : benchmarks::all()) text += fmt::format("  {:<17} {}\n", bench.name, bench.help);
   return text;
 }
 

@@ -9,11 +9,13 @@
 namespace heart::app {
 
 struct BenchCommand {
-  std::vector<std::string> names;  ///< empty: all
+  std::vector<std::string> names;  ///< empty: all; "mesh" stands for all whose name begins with "mesh-"
   Index3 size{512, 512, 199};
   Vec3 spacing_mm{0.5, 0.5, 1.2};
   int repeats = 7;
   int threads = 2;
+  std::string labels;  ///< label map for the mesh benchmarks; empty: a phantom's
+  int variant = 0;     ///< of that phantom
   bool processor_time = false;
   bool json = false;
 };

@@ -95,7 +95,7 @@ void add_build(Program& p) {
                   "labels from elsewhere: an image, or a folder with one mask per structure; what they lack is made "
                   "from the CT");
   sub->add_option("--preset", p.build.preset, "what their values and names mean: " + preset_names());
-  sub->add_option("--atlas", p.build.atlas, "fibre atlas (.vtk, .vtu), instead of the recipe's");
+  sub->add_option("--atlas", p.build.atlas, "fibre atlas (.vtk, .vtu, .exnode), instead of the recipe's");
   sub->add_option("--landmarks", p.build.landmarks, "seeds and valve planes (.json), instead of the recipe's");
   sub->add_option("-o,--output", p.build.output, "folder of the bundle")->required();
   sub->add_option("--keep-stages", p.build.keep_stages,
@@ -193,7 +193,7 @@ void add_tools(Program& p) {
   mesh->add_option("labels", p.mesh.labels, "label map with the tags of a bundle's manifest")->required();
   mesh->add_option("output", p.mesh.output, "mesh to write (.vtu)")->required();
   mesh->add_option("--edge", p.mesh.edge_mm, "edge length in the walls of the heart, mm");
-  mesh->add_option("--backend", p.mesh.backend, "lattice, cgal or tetgen (default: the recipe's)");
+  mesh->add_option("--backend", p.mesh.backend, "lattice, distmesh, cgal or tetgen (default: the recipe's)");
   mesh->add_flag("--json", p.mesh.json, "print the certificate as JSON");
 
   auto* landmarks = subcommand(p, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT",
@@ -309,7 +309,13 @@ void add_fiber_accuracy(Program& p) {
       ->delimiter(',');
   sub->add_option("--atlas", f.atlas, "phantom, stand-in, or a file (default phantom: variant 0)");
   sub->add_option("--methods", f.methods, "local_angles, coordinates, jacobian (default all)")->delimiter(',');
+  sub->add_option("--fields", f.fields, "uniform, regional (default uniform)")->delimiter(',');
+  sub->add_option(
+         "--atlas-frames", f.atlas_frames,
+         "plain, turned, scaled, axes, metres, all, mirrored: the atlas's file in other frames (default plain)")
+      ->delimiter(',');
   sub->add_option("--label-spacing", f.spacing_mm, "of the exact labels, mm (default 1.2)");
+  sub->add_option("--mesh-edge", f.mesh_edge_mm, "also at nodes and cells of a mesh with this edge, mm");
   sub->add_flag("--json", f.json, "print as JSON");
 }
 

@@ -29,6 +29,7 @@ struct StageTime {
   std::string name;
   double seconds = 0;
   From from = From::making;
+  std::vector<std::pair<std::string, double>> parts{};  ///< seconds of parts that the stage itself told
 };
 
 struct Run {

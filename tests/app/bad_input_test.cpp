@@ -87,6 +87,20 @@ TEST_F(BadInput, UnknownMesh) {
   expect_message("build --quiet recipe.toml --output out", {"heart", "chambers"});
 }
 
+TEST_F(BadInput, TorsoThatIsNoneOrTwo) {
+  const auto refuse = [&](const std::string& section, const std::vector<std::string>& words) {
+    write_recipe("[torso]\n" + section);
+    expect_message("build --quiet recipe.toml --output out", words);
+  };
+  refuse("labels = \"none.nii.gz\"\n", {"none.nii.gz", "does not exist", "torso.labels"});
+  refuse("labels = \"ct.nii.gz\"\nct = \"ct.nii.gz\"\n", {"[torso]", "both"});
+  refuse("frame = \"torso\"\n", {"[torso]", "no torso"});
+  refuse("labels = \"ct.nii.gz\"\nframe = \"lps\"\n", {"[torso]", "lps"});
+  refuse("labels = \"ct.nii.gz\"\ntorso_from_heart = [1, 0, 0]\n", {"[torso]", "3 numbers"});
+  refuse("labels = \"ct.nii.gz\"\ntorso_from_heart = [1, 0, 0, 5, 0, 1.2, 0, 5, 0, 0, 1, 5]\n", {"[torso]", "scale"});
+  refuse("with_scale = 1\n", {"torso.with_scale", "true or false"});
+}
+
 TEST_F(BadInput, ResolutionsOutOfRangeOrTwice) {
   for (const char* list : {"[2, 0.3]", "[3.5]", "[nan]", "[2, 2.0]"}) {
     write_recipe(std::string("[landmarks.seeds_mm]\nlv_blood = [0, 0, 0]\n[mesh]\nresolutions_mm = ") + list + "\n");

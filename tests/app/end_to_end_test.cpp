@@ -92,11 +92,12 @@ TEST_F(EndToEnd, SameContentForOtherThreadsAndLocale) {
   expect_same_content("--no-cache --threads 1", "LC_ALL=de_DE.UTF-8 TZ=Asia/Tokyo");
 }
 
-TEST_F(EndToEnd, SameContentForTwoAndThreeRanks) {
+TEST_F(EndToEnd, SameContentForOtherRanks) {
   const std::string environment =
       "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 ";
   expect_same_content("--no-cache --threads 1", environment + "mpirun -n 2");
-  expect_same_content("--no-cache --threads 1", environment + "mpirun -n 3");
+  expect_same_content("--no-cache --threads 2", environment + "mpirun -n 3");
+  expect_same_content("--no-cache --threads 1", environment + "mpirun -n 5");
 }
 
 TEST_F(EndToEnd, ACacheChangesNothing) {

@@ -1,0 +1,131 @@
+// The heart of one patient in the torso of another ([torso] of the recipe), as a user builds it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "exporters/bundle.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "model/labels.hpp"
+#include "support/data.hpp"
+#include "support/program.hpp"
+
+namespace heart {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two phantoms' label maps; the heart is built from its own, without a CT.
+class AnotherTorso : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder() = testing::scratch_folder("torso");
+    for (const auto& [name, variant] : {std::pair{"patient", 0}, {"other", 3}})
+      ASSERT_EQ(
+          testing::heartgen(fmt::format("phantom {} --size 90,84,72 --spacing 2.6,2.6,2.6 --variant {}", name, variant),
+                            folder().string())
+              .exit_code,
+          0);
+    build("in_heart", "frame = \"heart\"");
+  }
+
+  static void build(const std::string& name, const std::string& torso) {
+    std::ofstream(folder() / (name + ".toml"))
+        << "[input]\nlabels = \"patient/truth/labels.nii.gz\"\n[torso]\nlabels = \"other/truth/labels.nii.gz\"\n"
+        << torso << "\n[mesh]\nmeshes = [\"myocardium\", \"torso\"]\n"
+        << "heart_edge_mm = 3\nblood_edge_mm = 8\ntorso_edge_mm = 24\n";
+    const auto run =
+        testing::heartgen(fmt::format("build {0}.toml --output {0} --quiet --no-cache", name), folder().string());
+    ASSERT_EQ(run.exit_code, 0) << run.errors;
+  }
+
+  static fs::path& folder() {
+    static fs::path path;
+    return path;
+  }
+  static double value(const std::string& bundle, const std::string& metric) {
+    for (const auto& row : exporters::read_metrics(folder() / bundle))
+      if (row.group == "pose" && row.metric == metric) return row.value;
+    ADD_FAILURE() << metric;
+    return -1;
+  }
+};
+
+Vec3 through(const std::vector<double>& pose, const Vec3& p, double shift) {
+  const auto row = [&](std::size_t r) {
+    return pose[4 * r] * p.x + pose[4 * r + 1] * p.y + pose[4 * r + 2] * p.z + shift * pose[4 * r + 3];
+  };
+  return {row(0), row(1), row(2)};
+}
+
+TEST_F(AnotherTorso, HeartAndTorsoAreOneMeshAndThePoseIsKept) {
+  const auto manifest = exporters::read_manifest(folder() / "in_heart");
+  ASSERT_EQ(manifest.torso_from_heart.size(), 12U);
+  EXPECT_NE(exporters::read_recipe_text(folder() / "in_heart")
+                .find("torso_from_heart = [" + fmt::format("{}", manifest.torso_from_heart[0])),
+            std::string::npos);
+  EXPECT_LT(value("in_heart", "marks_rms"), 15) << "four chambers of two patients";
+  EXPECT_NEAR(value("in_heart", "scale"), 1, 1e-9);
+  const auto heart = exporters::read_mesh(folder() / "in_heart", "myocardium");
+  const auto torso = exporters::read_mesh(folder() / "in_heart", "torso");
+  ASSERT_EQ(heart.parent_node.size(), heart.nodes_mm.size());
+  for (std::size_t n = 0; n < heart.nodes_mm.size(); ++n)
+    ASSERT_EQ(heart.nodes_mm[n], torso.nodes_mm[static_cast<std::size_t>(heart.parent_node[n])]);
+  EXPECT_GT(manifest.meshes.at("torso").surfaces.at("fov_cut"), 20) << "the other's image ends in the body";
+  EXPECT_GT(manifest.meshes.at("torso").regions.at("lung"), 100);
+}
+
+/// With the pose that the first bundle has recorded.
+TEST_F(AnotherTorso, InTheTorsosFrameEverythingIsMoved) {
+  const auto pose = exporters::read_manifest(folder() / "in_heart").torso_from_heart;
+  build("in_torso", fmt::format("frame = \"torso\"\ntorso_from_heart = [{}]", fmt::join(pose, ", ")));
+  EXPECT_EQ(exporters::read_manifest(folder() / "in_torso").torso_from_heart, pose);
+  const auto here = exporters::read_mesh(folder() / "in_heart", "myocardium");
+  const auto there = exporters::read_mesh(folder() / "in_torso", "myocardium");
+  ASSERT_EQ(here.nodes_mm.size(), there.nodes_mm.size()) << "the same lattice, turned";
+  double sum_deg = 0;
+  for (std::size_t n = 0; n < here.nodes_mm.size(); ++n) {
+    ASSERT_LT(norm(through(pose, here.nodes_mm[n], 1) - there.nodes_mm[n]), 1e-3);
+    const double cosine = std::abs(dot(through(pose, here.node_fibers.fiber[n], 0), there.node_fibers.fiber[n]));
+    sum_deg += std::acos(std::min(cosine, 1.0)) * 180 / std::numbers::pi;
+  }
+  EXPECT_LT(sum_deg / static_cast<double>(here.nodes_mm.size()), 8) << "grids along other axes carry the fibres";
+  // The skin lies where the other patient's is: every node of the torso's outer surface is near the end of its body.
+  const auto torso = exporters::read_mesh(folder() / "in_torso", "torso");
+  const auto other = adapters::read_labels((folder() / "other/truth/labels.nii.gz").string());
+  const auto skin = *surface_from_name("skin");
+  std::size_t off = 0, count = 0;
+  for (std::size_t f = 0; f < torso.faces.size(); ++f) {
+    if (torso.surface[f] != skin) continue;
+    const auto p = torso.nodes_mm[static_cast<std::size_t>(torso.faces[f][0])];
+    const Vec3 index = index_from_lps(other.grid, p);
+    bool inside = false, outside = false;
+    for (int k = -2; k <= 2; ++k)
+      for (int j = -2; j <= 2; ++j)
+        for (int i = -2; i <= 2; ++i) {
+          const auto x = std::lround(index.x) + i, y = std::lround(index.y) + j, z = std::lround(index.z) + k;
+          const bool is_body = other.grid.contains(x, y, z) && other(x, y, z) != 0;
+          (is_body ? inside : outside) = true;
+        }
+    ++count;
+    off += !inside || !outside;
+  }
+  EXPECT_GT(count, 100U);
+  EXPECT_LT(static_cast<double>(off), 0.02 * static_cast<double>(count));
+}
+
+TEST_F(AnotherTorso, APoseOutsideTheBodyIsRefused) {
+  std::ofstream(folder() / "away.toml")
+      << "[input]\nlabels = \"patient/truth/labels.nii.gz\"\n[torso]\nlabels = \"other/truth/labels.nii.gz\"\n"
+      << "torso_from_heart = [1, 0, 0, 400, 0, 1, 0, 0, 0, 0, 1, 0]\n";
+  const auto run = testing::heartgen("build away.toml --output away --quiet --no-cache", folder().string());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.errors.find("outside the torso"), std::string::npos) << run.errors;
+}
+
+}  // namespace
+}  // namespace heart

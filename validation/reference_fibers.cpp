@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/corners.hpp"
 #include "model/labels.hpp"
 
 namespace heart::validation {
@@ -22,16 +23,12 @@ Vec3 reference_at(const ReferenceFibers& reference, const Vec3& lps_mm) {
   };
   const Vec3 nearest = axis_at(std::llround(index.x), std::llround(index.y), std::llround(index.z));
   if (norm(nearest) < 0.5) return {};
-  const Vec3 low{std::floor(index.x), std::floor(index.y), std::floor(index.z)}, part = index - low;
   Vec3 sum;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int i = corner & 1, j = (corner >> 1) & 1, k = corner >> 2;
-    const Vec3 axis = axis_at(std::lround(low.x) + i, std::lround(low.y) + j, std::lround(low.z) + k);
+  for_corners(index, [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
+    const Vec3 axis = axis_at(i, j, k);
     const double cosine = dot(axis, nearest);
-    if (std::abs(cosine) < same_wall_cosine) continue;
-    const double weight = (i ? part.x : 1 - part.x) * (j ? part.y : 1 - part.y) * (k ? part.z : 1 - part.z);
-    sum += (cosine < 0 ? -weight : weight) * axis;
-  }
+    if (std::abs(cosine) >= same_wall_cosine) sum += (cosine < 0 ? -weight : weight) * axis;
+  });
   return normalized(sum);
 }
 

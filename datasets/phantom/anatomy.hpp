@@ -59,11 +59,17 @@ Tissue tissue_at(const HeartModel& model, const Vec3& lps_mm);
 /// Clamped to [0, 1]; NaN farther than 6 mm from ventricular muscle, and in the fibrous plates at the valves.
 double depth_at(const HeartModel& model, const Vec3& lps_mm);
 
-/// Unit fibre direction (an axis: its sign carries no meaning) in ventricular muscle and papillary muscles: helix angle
-/// linear in depth from +60 deg (endocardium) to -60 deg (epicardium); papillary muscles along their own axis. Defined
-/// up to 6 mm off the muscle, so that nodes of a slightly displaced mesh can be compared; the zero vector beyond, and
-/// in the fibrous plates at the valves, which labels count as muscle but which have no helix.
-Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm);
+/// Helix angles of the phantom's walls, linear in depth.
+enum class HelixField {
+  uniform,   ///< from +60 deg (endocardium) to -60 deg (epicardium) everywhere
+  regional,  ///< both ends change by up to 35 deg around the ventricle and from apex to base
+};
+
+/// Unit fibre direction (an axis: its sign carries no meaning) in ventricular muscle and papillary muscles; papillary
+/// muscles along their own axis. Defined up to 6 mm off the muscle, so that nodes of a slightly displaced mesh can be
+/// compared; the zero vector beyond, and in the fibrous plates at the valves, which labels count as muscle but which
+/// have no helix.
+Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm, HelixField field = HelixField::uniform);
 
 /// Unit vector of the left ventricle's long axis from apex to base.
 Vec3 long_axis(const HeartModel& model);

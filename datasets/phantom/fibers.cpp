@@ -10,6 +10,7 @@ namespace {
 
 constexpr double off_muscle_mm = 6;
 constexpr double endocardial_helix_deg = 60;
+constexpr double helix_around_deg = 20, helix_along_deg = 15;  // how far the regional field departs from the uniform
 
 enum class Wall { none, left, right, papillary };
 
@@ -55,6 +56,25 @@ Vec3 depth_gradient(const HeartShapes& heart, Wall wall, const Vec3& p) {
   return normalized(g);
 }
 
+/// Where a point lies in its ventricle, each coordinate about -1 to 1: along the rows of HeartShapes::local, in units
+/// of the ventricle's half axes. The same in hearts of all sizes.
+Vec3 place_in_ventricle(const HeartShapes& heart, Wall wall, const Vec3& p) {
+  const Vec3 center = wall == Wall::right ? heart.rv_center_local_mm : Vec3{};
+  const Vec3& half_axes = wall == Wall::right ? heart.rv_radii_mm : heart.lv_outer_mm;
+  const Vec3 d = heart.local * (p - heart.center) - center;
+  return {d.x / half_axes.x, d.y / half_axes.y, d.z / half_axes.z};
+}
+
+double helix_deg(const HeartShapes& heart, Wall wall, const Vec3& p, double depth, HelixField field) {
+  double inside = endocardial_helix_deg, outside = -endocardial_helix_deg;
+  if (field == HelixField::regional) {
+    const Vec3 place = place_in_ventricle(heart, wall, p);
+    inside += helix_around_deg * place.x - helix_along_deg * place.z;
+    outside += helix_around_deg * place.y + helix_along_deg * place.z;
+  }
+  return inside + depth * (outside - inside);
+}
+
 /// Direction of the nearest straight piece of the papillary muscles.
 Vec3 papillary_axis(const HeartShapes& heart, const HeartField& f, const Vec3& p) {
   return (f.lv < 0 ? heart.lv_papillary : heart.rv_papillary).nearest_direction(p);
@@ -70,7 +90,7 @@ double depth_at(const HeartModel& model, const Vec3& lps_mm) {
   return std::clamp(raw_depth(heart, wall, lps_mm), 0.0, 1.0);
 }
 
-Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm) {
+Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm, HelixField helix_field) {
   const auto& heart = model.anatomy->heart;
   const HeartField field = heart_field(heart, lps_mm);
   const Wall wall = wall_at(heart, field, lps_mm);
@@ -83,7 +103,7 @@ Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm) {
   along = normalized(along);
   const Vec3 around = cross(along, across);
   const double depth = std::clamp(raw_depth(heart, wall, lps_mm), 0.0, 1.0);
-  const double helix = endocardial_helix_deg * (1 - 2 * depth) * 3.14159265358979323846 / 180;
+  const double helix = helix_deg(heart, wall, lps_mm, depth, helix_field) * 3.14159265358979323846 / 180;
   return normalized(std::cos(helix) * around + std::sin(helix) * along);
 }
 

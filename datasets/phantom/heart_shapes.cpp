@@ -50,24 +50,18 @@ double lv_outer_smooth(const HeartShapes& heart, const Vec3& p) {
 }  // namespace
 
 WallSurfaces lv_wall_surfaces(const HeartShapes& heart, const Vec3& p) {
-  const double height = dot(heart.local[2], p - heart.center);
-  WallSurfaces wall{lv_inner_smooth(heart, p), lv_outer_smooth(heart, p),
-                    heart.sizes.lv_ridge_mm * ridge_fade(height, heart.sizes.lv_length_mm)};
+  const double height = dot(heart.local[2], p - heart.center), outflow = heart.lv_outflow(p);
   const double inflow = valve_channel(heart.mitral, p, -1, mitral_channel_mm * heart.scale);
-  wall.inner = smooth_min(wall.inner, inflow, junction_mm);
-  const double outflow = heart.lv_outflow(p);
-  if (outflow >= reach) return wall;
-  wall.inner = smooth_min(wall.inner, outflow, lv_outflow_blend_mm * heart.scale);
-  wall.outer = smooth_min(wall.outer, outflow - vessel_gap_mm, junction_mm);
-  return wall;
+  const double cavity = smooth_min(lv_inner_smooth(heart, p), outflow, lv_outflow_blend_mm * heart.scale);
+  return {std::min(cavity, inflow), std::min(lv_outer_smooth(heart, p), outflow - vessel_gap_mm),
+          heart.sizes.lv_ridge_mm * ridge_fade(height, heart.sizes.lv_length_mm)};
 }
 
 WallSurfaces rv_wall_surfaces(const HeartShapes& heart, const Vec3& p) {
   const Vec3 from_center = heart.local * (p - heart.center) - heart.rv_center_local_mm;
   const double body = ellipsoid(from_center, heart.rv_radii_mm);
   const double inflow = valve_channel(heart.tricuspid, p, -1, tricuspid_channel_mm * heart.scale);
-  double cavity = smooth_min(body, heart.rv_outflow(p), rv_outflow_blend_mm * heart.scale);
-  cavity = smooth_min(cavity, inflow, junction_mm);
+  const double cavity = std::min(smooth_min(body, heart.rv_outflow(p), rv_outflow_blend_mm * heart.scale), inflow);
   const double inner = smooth_max(cavity, -lv_outer_smooth(heart, p), junction_mm);
   return {inner, inner - heart.sizes.rv_wall_mm,
           heart.sizes.rv_ridge_mm * ridge_fade(from_center.z, heart.rv_radii_mm.z)};

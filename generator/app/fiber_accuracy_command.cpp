@@ -6,12 +6,16 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "datasets/phantom/phantom.hpp"
 #include "generator/atlas/resample.hpp"
+#include "generator/fibers/frame.hpp"
 #include "generator/fibers/hearts.hpp"
+#include "generator/fibers/steep_cells.hpp"
+#include "generator/mesh/mesh_heart.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -91,7 +95,9 @@ Patient make_patient(const std::string& name, double spacing_mm) {
   return patient;
 }
 
-atlas::AtlasImage phantom_atlas(double spacing_mm) {
+using datasets::HelixField;
+
+atlas::AtlasImage phantom_atlas(double spacing_mm, HelixField field) {
   const auto model = datasets::make_heart_model();
   const auto marks = datasets::landmarks_of(model);
   const auto labels = exact_labels(model, marks, spacing_mm);
@@ -99,37 +105,103 @@ atlas::AtlasImage phantom_atlas(double spacing_mm) {
   parallel::parallel_for(0, labels.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
     for (auto v = static_cast<std::size_t>(begin); v < static_cast<std::size_t>(end); ++v)
       if (labels.voxels[v] == tag(Region::lv_myocardium) || labels.voxels[v] == tag(Region::rv_myocardium))
-        fiber.voxels[v] = datasets::fiber_at(model, center_of(labels.grid, v));
+        fiber.voxels[v] = datasets::fiber_at(model, center_of(labels.grid, v), field);
   });
   return atlas::image_of_labels(labels, fiber, marks, spacing_mm);
 }
 
-atlas::AtlasImage atlas_image(const std::string& name, double spacing_mm) {
-  if (name == "phantom") return phantom_atlas(spacing_mm);
-  if (name != "stand-in") return atlas::image_of_atlas(atlas::read_fiber_atlas(name), spacing_mm);
-  const auto mesh = datasets::make_standin_atlas();
-  return atlas::image_of_atlas(atlas::make_fiber_atlas(name, mesh.nodes_mm, mesh.cells, mesh.node_fibers.fiber),
-                               spacing_mm);
+Mat3 turned_about(const Vec3& unit, double angle_deg) {
+  const double angle = angle_deg * std::numbers::pi / 180;
+  Mat3 rotation;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 column;
+    column[axis] = 1;
+    const Vec3 along = dot(column, unit) * unit;
+    const Vec3 turned = along + std::cos(angle) * (column - along) + std::sin(angle) * cross(unit, column);
+    for (int row = 0; row < 3; ++row) rotation[row][axis] = turned[row];
+  }
+  return rotation;
 }
 
-/// The voxels of both walls where the phantom has fibres.
+/// What a file of the same heart in another frame or unit would do to its points.
+Mat3 file_frame(const std::string& pose) {
+  const Mat3 turn = turned_about(normalized({1, -2, 0.5}), 40);
+  const Mat3 order{{Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{1, 0, 0}}};
+  const auto scaled = [](double factor, Mat3 m) {
+    for (auto& row : m.rows) row *= factor;
+    return m;
+  };
+  if (pose == "plain") return {};
+  if (pose == "turned") return turn;
+  if (pose == "scaled") return scaled(0.8, {});
+  if (pose == "axes") return order;
+  if (pose == "metres") return scaled(1e-3, {});
+  if (pose == "all") return scaled(0.8e-3, order * turn);
+  if (pose == "mirrored") return {{Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}};
+  throw UserError(fmt::format("\"{}\" is no frame of an atlas", pose), "--atlas-frames",
+                  "give plain, turned, scaled, axes, metres, all, mirrored");
+}
+
+atlas::FiberAtlas atlas_mesh(const std::string& name) {
+  if (name != "stand-in") return atlas::read_fiber_atlas(name);
+  const auto mesh = datasets::make_standin_atlas();
+  return atlas::make_fiber_atlas(name, mesh.nodes_mm, mesh.cells, mesh.node_fibers.fiber);
+}
+
+atlas::AtlasImage atlas_image(const std::string& name, const std::string& frame, double spacing_mm, HelixField field) {
+  if (name == "phantom") return phantom_atlas(spacing_mm, field);
+  auto mesh = atlas_mesh(name);
+  const Mat3 matrix = file_frame(frame);
+  for (Vec3& p : mesh.points_mm) p = matrix * p;
+  for (Vec3& f : mesh.fiber) f = matrix * f;
+  return atlas::image_of_atlas(atlas::make_fiber_atlas(mesh.name, mesh.points_mm, mesh.cells, mesh.fiber), spacing_mm);
+}
+
+/// Places in both walls where the phantom has fibres.
 struct KnownAxes {
   std::vector<Vec3> points_mm, axis;
   std::vector<std::uint8_t> left;
+  std::vector<std::size_t> source;  ///< voxel, node or cell
 };
 
-KnownAxes known_axes(const Patient& patient) {
+void add_known(const Patient& patient, HelixField field, const Vec3& point_mm, std::int32_t region, std::size_t source,
+               KnownAxes& known) {
+  if (region != tag(Region::lv_myocardium) && region != tag(Region::rv_myocardium)) return;
+  const Vec3 axis = datasets::fiber_at(patient.model, point_mm, field);
+  if (norm(axis) < 0.5) return;
+  known.points_mm.push_back(point_mm);
+  known.axis.push_back(axis);
+  known.left.push_back(region == tag(Region::lv_myocardium));
+  known.source.push_back(source);
+}
+
+KnownAxes known_at_voxels(const Patient& patient, HelixField field) {
   KnownAxes known;
-  for (std::size_t v = 0; v < patient.labels.voxels.size(); ++v) {
-    const bool left = patient.labels.voxels[v] == tag(Region::lv_myocardium);
-    if (!left && patient.labels.voxels[v] != tag(Region::rv_myocardium)) continue;
-    const Vec3 p = center_of(patient.labels.grid, v);
-    const Vec3 axis = datasets::fiber_at(patient.model, p);
-    if (norm(axis) < 0.5) continue;
-    known.points_mm.push_back(p);
-    known.axis.push_back(axis);
-    known.left.push_back(left);
+  for (std::size_t v = 0; v < patient.labels.voxels.size(); ++v)
+    add_known(patient, field, center_of(patient.labels.grid, v), patient.labels.voxels[v], v, known);
+  return known;
+}
+
+KnownAxes known_at_cells(const Patient& patient, HelixField field, const TetMesh& mesh) {
+  KnownAxes known;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    Vec3 middle;
+    for (const auto node : mesh.cells[c]) middle += mesh.nodes_mm[static_cast<std::size_t>(node)] / 4;
+    add_known(patient, field, middle, mesh.region[c], c, known);
   }
+  return known;
+}
+
+/// A node of both walls counts as the right ventricle's.
+KnownAxes known_at_nodes(const Patient& patient, HelixField field, const TetMesh& mesh) {
+  std::vector<std::int32_t> region(mesh.nodes_mm.size());
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    for (const auto node : mesh.cells[c]) {
+      auto& r = region[static_cast<std::size_t>(node)];
+      if (r != tag(Region::rv_myocardium)) r = mesh.region[c];
+    }
+  KnownAxes known;
+  for (std::size_t n = 0; n < region.size(); ++n) add_known(patient, field, mesh.nodes_mm[n], region[n], n, known);
   return known;
 }
 
@@ -155,18 +227,24 @@ Errors errors_of(const KnownAxes& known, const std::vector<atlas::AxisTensor>& c
   return {sum / count, angles_deg[(angles_deg.size() - 1) * 95 / 100], count / all};
 }
 
-Json row_of(const std::string& name, const std::string& method, const Errors& lv, const Errors& rv, double seconds) {
-  return {
-      {"case", name},         {"method", method},           {"lv_mean_deg", lv.mean_deg}, {"lv_p95_deg", lv.p95_deg},
-      {"lv_cover", lv.cover}, {"rv_mean_deg", rv.mean_deg}, {"rv_p95_deg", rv.p95_deg},   {"rv_cover", rv.cover},
-      {"seconds", seconds}};
+struct RowName {
+  std::string patient, field, frame, method, at;
+};
+
+Json row_of(const RowName& name, const Errors& lv, const Errors& rv, double seconds) {
+  return {{"case", name.patient},     {"field", name.field},  {"atlas_frame", name.frame},
+          {"method", name.method},    {"at", name.at},        {"lv_mean_deg", lv.mean_deg},
+          {"lv_p95_deg", lv.p95_deg}, {"lv_cover", lv.cover}, {"rv_mean_deg", rv.mean_deg},
+          {"rv_p95_deg", rv.p95_deg}, {"rv_cover", rv.cover}, {"seconds", seconds}};
 }
 
 void print_row(const Json& r) {
   const auto value = [&](const char* key) { return r[key].get<double>(); };
-  fmt::print("{:10} {:13} {:6.2f} {:6.1f} {:6.0f}   {:6.2f} {:6.1f} {:6.0f}   {:6.1f}\n", r["case"].get<std::string>(),
-             r["method"].get<std::string>(), value("lv_mean_deg"), value("lv_p95_deg"), 100 * value("lv_cover"),
-             value("rv_mean_deg"), value("rv_p95_deg"), 100 * value("rv_cover"), value("seconds"));
+  const auto text = [&](const char* key) { return r[key].get<std::string>(); };
+  fmt::print("{:8} {:8} {:8} {:12} {:6} {:6.2f} {:6.1f} {:6.0f}   {:6.2f} {:6.1f} {:6.0f}   {:6.1f}\n", text("case"),
+             text("field"), text("atlas_frame"), text("method"), text("at"), value("lv_mean_deg"), value("lv_p95_deg"),
+             100 * value("lv_cover"), value("rv_mean_deg"), value("rv_p95_deg"), 100 * value("rv_cover"),
+             value("seconds"));
   std::fflush(stdout);
 }
 
@@ -177,35 +255,122 @@ void check_methods(const std::vector<std::string>& methods) {
                       "use local_angles, coordinates, jacobian");
 }
 
+std::vector<HelixField> fields_of(const FiberAccuracyCommand& command) {
+  std::vector<HelixField> fields;
+  for (const auto& name : command.fields) {
+    if (name != "uniform" && name != "regional")
+      throw UserError(fmt::format("unknown field \"{}\"", name), "--fields", "use uniform, regional");
+    if (name == "regional" && command.atlas != "phantom")
+      throw UserError("only the phantom's own heart carries the regional field", "--fields",
+                      "leave out --atlas, or ask for uniform");
+    fields.push_back(name == "uniform" ? HelixField::uniform : HelixField::regional);
+  }
+  return fields;
+}
+
+void check_frames(const FiberAccuracyCommand& command) {
+  for (const auto& frame : command.atlas_frames) {
+    file_frame(frame);
+    if (frame != "plain" && command.atlas == "phantom")
+      throw UserError("the phantom as an atlas is an image in its own frame", "--atlas-frames",
+                      "name a mesh with --atlas, for example stand-in");
+  }
+}
+
+struct Carried {
+  std::vector<atlas::AxisTensor> axes;
+  double seconds = 0;
+};
+
+Carried carry_to(const fibers::Hearts& hearts, const std::vector<Vec3>& points_mm, const std::string& method) {
+  const double start_s = now_s();
+  const auto walls = fibers::point_walls(hearts, points_mm, std::vector<std::uint8_t>(points_mm.size(), 1));
+  Carried carried;
+  carried.axes = fibers::carried_axes(hearts, walls, points_mm, fibers::atlas_positions(hearts, points_mm), method);
+  carried.seconds = now_s() - start_s;
+  return carried;
+}
+
+/// One axis per place of `known`, out of one per voxel, node or cell.
+std::vector<atlas::AxisTensor> at_sources(const KnownAxes& known, const std::vector<Vec3>& axes) {
+  std::vector<atlas::AxisTensor> result;
+  result.reserve(known.source.size());
+  for (const auto source : known.source) result.push_back(atlas::axis_tensor(axes[source]));
+  return result;
+}
+
+/// Rows of one carried heart: at voxels, and at the nodes and cells of a mesh where there is one.
+void add_rows(const Patient& patient, HelixField field, const fibers::Hearts& hearts, const TetMesh& mesh, RowName name,
+              double prepared_s, const std::function<void(Json)>& add) {
+  const auto row = [&](const char* at, const KnownAxes& known, const std::vector<atlas::AxisTensor>& axes,
+                       double seconds) {
+    name.at = at;
+    add(row_of(name, errors_of(known, axes, true), errors_of(known, axes, false), prepared_s + seconds));
+  };
+  const auto voxels = known_at_voxels(patient, field);
+  const auto at_voxels = carry_to(hearts, voxels.points_mm, name.method);
+  row("voxels", voxels, at_voxels.axes, at_voxels.seconds);
+  if (mesh.cells.empty()) return;
+  const auto at_nodes = carry_to(hearts, mesh.nodes_mm, name.method);
+  std::vector<Vec3> axes;
+  axes.reserve(mesh.nodes_mm.size());
+  for (const auto& tensor : at_nodes.axes) axes.push_back(atlas::leading_axis(tensor));
+  row("nodes", known_at_nodes(patient, field, mesh), at_sources(known_at_nodes(patient, field, mesh), axes),
+      at_nodes.seconds);
+  for (Vec3& axis : axes)
+    if (norm(axis) < 0.5) axis = {1, 0, 0};  // counted in "nodes" as not covered
+  const auto nodes = fibers::node_frames(axes, std::vector<Vec3>(axes.size(), {0, 0, 1}));
+  auto cells = fibers::cell_frames(mesh, nodes);
+  fibers::carry_to_steep_cells(hearts, mesh, nodes, name.method, cells);
+  const auto known_cells = known_at_cells(patient, field, mesh);
+  row("cells", known_cells, at_sources(known_cells, cells.fiber), at_nodes.seconds);
+}
+
+/// The walls of the exact labels, meshed as a build would.
+TetMesh mesh_of(const Patient& patient, double edge_mm) {
+  if (edge_mm <= 0) return {};
+  MeshSettings settings;
+  settings.meshes = {"myocardium"};
+  settings.heart_edge_mm = edge_mm;
+  return mesh::mesh_heart(patient.labels, settings).at("myocardium");
+}
+
+void check_command(const FiberAccuracyCommand& command) {
+  check_methods(command.methods);
+  check_frames(command);
+  if (!(command.spacing_mm >= 0.5 && command.spacing_mm <= 3))
+    throw UserError("the spacing of the labels is out of range", "--label-spacing", "give 0.5 to 3 mm");
+  if (command.mesh_edge_mm != 0 && !(command.mesh_edge_mm >= 0.5 && command.mesh_edge_mm <= 4))
+    throw UserError("the edge length is out of range", "--mesh-edge", "give 0.5 to 4 mm, or 0 for no mesh");
+}
+
 }  // namespace
 
 int fiber_accuracy_command(const FiberAccuracyCommand& command) {
-  check_methods(command.methods);
-  if (!(command.spacing_mm >= 0.5 && command.spacing_mm <= 3))
-    throw UserError("the spacing of the labels is out of range", "--spacing", "give 0.5 to 3 mm");
+  check_command(command);
+  const auto fields = fields_of(command);
   FiberSettings settings;
   settings.depth_grid_mm = command.spacing_mm;  // as the labels are: what resampling costs is not measured here
   settings.grid_mm = std::max(settings.grid_mm, command.spacing_mm);
-  const auto atlas = atlas_image(command.atlas, settings.depth_grid_mm);
-  if (!command.json) fmt::print("axis error, degrees         LV mean    p95  cover  RV mean    p95  cover  seconds\n");
+  if (!command.json) fmt::print("{:46} LV mean    p95  cover  RV mean    p95  cover  seconds\n", "axis error, degrees");
   Json rows = Json::array();
-  for (const auto& name : command.cases) {
-    const Patient patient = make_patient(name, command.spacing_mm);
-    const KnownAxes known = known_axes(patient);
-    const double start_s = now_s();
-    const auto hearts = fibers::prepare_hearts(patient.labels, patient.landmarks, atlas, command.atlas, settings);
-    const auto walls =
-        fibers::point_walls(hearts, known.points_mm, std::vector<std::uint8_t>(known.points_mm.size(), 1));
-    const auto atlas_mm = fibers::atlas_positions(hearts, known.points_mm);
-    const double prepared_s = now_s() - start_s;
-    for (const auto& method : command.methods) {
-      const double method_s = now_s();
-      const auto carried = fibers::carried_axes(hearts, walls, known.points_mm, atlas_mm, method);
-      const double seconds = prepared_s + now_s() - method_s;
-      rows.push_back(row_of(name, method, errors_of(known, carried, true), errors_of(known, carried, false), seconds));
-      if (!command.json) print_row(rows.back());
+  const auto add = [&](const Json& row) {
+    rows.push_back(row);
+    if (!command.json) print_row(row);
+  };
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    for (const auto& frame : command.atlas_frames) {
+      const auto atlas = atlas_image(command.atlas, frame, settings.depth_grid_mm, fields[f]);
+      for (const auto& name : command.cases) {
+        const Patient patient = make_patient(name, command.spacing_mm);
+        const TetMesh mesh = mesh_of(patient, command.mesh_edge_mm);
+        const double start_s = now_s();
+        const auto hearts = fibers::prepare_hearts(patient.labels, patient.landmarks, atlas, command.atlas, settings);
+        const double prepared_s = now_s() - start_s;
+        for (const auto& method : command.methods)
+          add_rows(patient, fields[f], hearts, mesh, {name, command.fields[f], frame, method, ""}, prepared_s, add);
+      }
     }
-  }
   if (command.json) fmt::print("{}\n", rows.dump(2));
   return 0;
 }

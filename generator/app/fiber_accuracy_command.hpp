@@ -11,13 +11,19 @@ struct FiberAccuracyCommand {
   std::vector<std::string> cases{"1", "2", "3", "4", "thick", "dilated", "cut", "tilted"};
   std::string atlas = "phantom";  ///< "phantom" (variant 0 as an image), "stand-in", or a file
   std::vector<std::string> methods{"local_angles", "coordinates", "jacobian"};
+  /// The phantom's helix angles: "uniform" (the same everywhere) and "regional" (changing around and along the heart).
+  std::vector<std::string> fields{"uniform"};
+  /// Frames and units that the atlas's file could be in: "plain", "turned" (40 degrees), "scaled" (0.8), "axes" (in
+  /// another order), "metres", "all" of these, and "mirrored" (which is refused). Only for atlases that are meshes.
+  std::vector<std::string> atlas_frames{"plain"};
   double spacing_mm = 1.2;  ///< of the exact labels
+  double mesh_edge_mm = 0;  ///< mesh the exact labels' walls with this edge and compare on nodes and cells too; 0: no
   bool json = false;
 };
 
-/// One line per phantom and method: mean and 95th percentile of the angle between carried and known axes over all
-/// voxels of each wall where the phantom has fibres, share covered, seconds. Throws UserError for unknown cases,
-/// methods and atlases. Not collective.
+/// One line per field, frame, phantom and method: mean and 95th percentile of the angle between carried and known axes
+/// over all voxels (nodes, cells) of each wall where the phantom has fibres, share covered, seconds. Throws UserError
+/// for unknown names and for a mirrored atlas. Not collective.
 int fiber_accuracy_command(const FiberAccuracyCommand& command);
 
 }  // namespace heart::app

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t corners = 8;
-constexpr std::array<int, 3> divisions{10, 8, 6};  // of an element of a heart's wall: cells of about 2 mm
+constexpr std::array<std::size_t, 3> divisions{10, 8, 6};  // of an element of a heart's wall: cells of about 2 mm
 
 // ---- text ----
 
@@ -493,22 +493,22 @@ struct Builder {
   }
 
   void add_element(const Evaluator& element) {
-    const auto [n1, n2, n3] = divisions;
+    const std::size_t n1 = divisions[0], n2 = divisions[1], n3 = divisions[2];
     std::vector<std::int32_t> id;
-    const auto at = [&](int i, int j, int k) { return static_cast<std::size_t>((k * (n2 + 1) + j) * (n1 + 1) + i); };
-    for (int k = 0; k <= n3; ++k)
-      for (int j = 0; j <= n2; ++j)
-        for (int i = 0; i <= n1; ++i) {
-          const Vec3 xi{i / static_cast<double>(n1), j / static_cast<double>(n2), k / static_cast<double>(n3)};
+    for (std::size_t k = 0; k <= n3; ++k)
+      for (std::size_t j = 0; j <= n2; ++j)
+        for (std::size_t i = 0; i <= n1; ++i) {
+          const Vec3 xi{static_cast<double>(i) / static_cast<double>(n1),
+                        static_cast<double>(j) / static_cast<double>(n2),
+                        static_cast<double>(k) / static_cast<double>(n3)};
           id.push_back(add(element.place(xi).position, element.fiber(xi)));
         }
-    for (int k = 0; k < n3; ++k)
-      for (int j = 0; j < n2; ++j)
-        for (int i = 0; i < n1; ++i) {
+    for (std::size_t k = 0; k < n3; ++k)
+      for (std::size_t j = 0; j < n2; ++j)
+        for (std::size_t i = 0; i < n1; ++i) {
           std::array<std::int32_t, corners> corner;
           for (std::size_t c = 0; c < corners; ++c)
-            corner[c] =
-                id[at(i + static_cast<int>(c & 1), j + static_cast<int>((c >> 1) & 1), k + static_cast<int>(c >> 2))];
+            corner[c] = id[((k + (c >> 2)) * (n2 + 1) + j + ((c >> 1) & 1)) * (n1 + 1) + i + (c & 1)];
           add_brick(corner);
         }
   }

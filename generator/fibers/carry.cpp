@@ -276,6 +276,8 @@ FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels,
   result.affine_rms_mm = hearts.registration.pose.rms_mm;
   result.atlas_overlap = hearts.registration.wall_overlap;
   result.warnings = warnings_of(hearts, result);
+  if (rule.nodes.empty())
+    result.warnings.emplace_back("the mesh lacks surfaces of the ventricles, so that there are no rule-based fibres");
   return result;
 }
 

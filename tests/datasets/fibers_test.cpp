@@ -98,6 +98,61 @@ TEST(Fibers, RightVentricleFollowsTheSameRule) {
   EXPECT_LT(last, -35);
 }
 
+TEST(Fibers, RightWallHasItsSurfacesWhereTheLabelsHaveThemAlsoAroundTheInflow) {
+  for (const int variant : {0, 1, 2}) {
+    const auto model = make_heart_model(variant);
+    const auto valve = landmarks_of(model).valves.at("tricuspid");
+    const Vec3 first_side = normalized(cross(valve.normal, long_axis(model) + Vec3{0.3, 0, 0.2}));
+    int walls = 0;
+    for (int turn = 0; turn < 24; ++turn) {
+      const double angle = turn * 3.14159265358979323846 / 12;
+      const Vec3 side = std::cos(angle) * first_side + std::sin(angle) * cross(valve.normal, first_side);
+      double first = -1, last = -1;
+      Region next = Region::none;
+      for (double r = 0.9 * valve.radius_mm; r < valve.radius_mm + 9; r += 0.05) {
+        const Vec3 p = valve.center_mm - 5 * valve.normal + r * side;
+        next = region_at(model, p);
+        if (next == Region::rv_myocardium) {
+          last = depth_at(model, p);
+          if (first < 0) first = last;
+        } else if (last >= 0) {
+          break;
+        }
+      }
+      // Where the wall meets the left one it does not end at a surface of its own.
+      if (last < 0 || next == Region::rv_myocardium || next == Region::lv_myocardium || next == Region::rv_blood)
+        continue;
+      ++walls;
+      EXPECT_NEAR(first, 0, 0.03) << "variant " << variant << ", turn " << turn;
+      EXPECT_NEAR(last, 1, 0.03) << "variant " << variant << ", turn " << turn;
+    }
+    EXPECT_GT(walls, 4);
+  }
+}
+
+TEST(Fibers, TheRegionalFieldIsDefinedWhereTheUniformOneIsAndDepartsFromItByRegion) {
+  const auto model = make_heart_model();
+  const auto labels = survey_heart(model, 4).regions;
+  double least = 90, most = -90;
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
+    if (labels.voxels[v] != tag(Region::lv_myocardium) && labels.voxels[v] != tag(Region::rv_myocardium)) continue;
+    const auto& n = labels.grid.size;
+    const auto at = static_cast<std::int64_t>(v);
+    const Vec3 p = lps_from_index(labels.grid, {static_cast<double>(at % n[0]), static_cast<double>(at / n[0] % n[1]),
+                                                static_cast<double>(at / (n[0] * n[1]))});
+    const Vec3 uniform = fiber_at(model, p), regional = fiber_at(model, p, HelixField::regional);
+    ASSERT_EQ(norm(uniform) > 0.5, norm(regional) > 0.5);
+    if (norm(uniform) < 0.5) continue;
+    ASSERT_NEAR(norm(regional), 1, 1e-9);
+    const double turn = std::acos(std::min(1.0, std::abs(dot(uniform, regional)))) * 180 / 3.14159265358979323846;
+    least = std::min(least, turn);
+    most = std::max(most, turn);
+  }
+  EXPECT_LT(least, 1);
+  EXPECT_GT(most, 20);
+  EXPECT_LT(most, 45);
+}
+
 TEST(Fibers, VanishFarFromTheHeart) {
   const auto model = make_heart_model();
   EXPECT_EQ(fiber_at(model, {-120, 40, 60}), (Vec3{}));

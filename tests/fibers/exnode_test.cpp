@@ -8,6 +8,7 @@
 #include <fstream>
 #include <vector>
 
+#include "generator/atlas/ventricles.hpp"
 #include "generator/fibers/transfer.hpp"
 #include "model/error.hpp"
 #include "support/data.hpp"
@@ -85,6 +86,13 @@ TEST(Exnode, TheAucklandHeartHasTheFibersOfItsTetrahedra) {
   const std::string mesh = testing::real_data("auckland-heart/auckland_ventricles.vtk");
   if (elements.empty() || mesh.empty()) GTEST_SKIP() << "no real data on this machine";
   const auto ours = read_fiber_atlas(elements), known = read_fiber_atlas(mesh);
+  // Elements that lie a turn apart would leave gaps in the walls.
+  const auto volume_of = [](const AtlasImage& image) {
+    return std::count_if(image.ventricles.parts.voxels.begin(), image.ventricles.parts.voxels.end(), is_wall);
+  };
+  const auto wall = volume_of(image_of_atlas(ours, 2));
+  EXPECT_NEAR(static_cast<double>(volume_of(image_of_atlas(known, 2))), static_cast<double>(wall),
+              0.02 * static_cast<double>(wall));
   TetMesh mesh_of_ours;
   mesh_of_ours.nodes_mm = ours.points_mm;
   mesh_of_ours.cells = ours.cells;
@@ -96,15 +104,14 @@ TEST(Exnode, TheAucklandHeartHasTheFibersOfItsTetrahedra) {
   for (std::size_t n = 0; n < known.points_mm.size(); ++n)
     if (norm(at_known.node.fiber[n]) > 0.5)
       angle_deg.push_back(testing::axis_angle_deg(known.fiber[n], at_known.node.fiber[n]));
-  // The given tetrahedra follow the curved elements within about a millimetre.
-  EXPECT_LT(at_known.beyond_nodes, 0.03 * static_cast<double>(known.points_mm.size()));
+  EXPECT_LT(at_known.farthest_mm, 0.5);
   std::sort(angle_deg.begin(), angle_deg.end());
   const auto quantile = [&](double q) {
     return angle_deg[static_cast<std::size_t>(q * static_cast<double>(angle_deg.size() - 1))];
   };
   RecordProperty("median_deg", std::to_string(quantile(0.5)));
   EXPECT_LT(quantile(0.5), 1);
-  EXPECT_LT(quantile(0.95), 8);
+  EXPECT_LT(quantile(0.95), 5);
 }
 
 }  // namespace

@@ -9,42 +9,35 @@ namespace {
 /// Rows that are sought, with the inverse of their diagonal.
 struct FreeRows {
   std::vector<std::int32_t> row;
-  std::vector<std::uint8_t> is_free;
   std::vector<double> inverse_diagonal;
+  std::vector<std::size_t> diagonal;  ///< entry of the matrix; columns ascend, so those before it lie to the left
 };
 
 FreeRows free_rows(const Stiffness& matrix, const FixedValues& fixed) {
   FreeRows rows;
-  rows.is_free.assign(fixed.size(), 0);
   rows.inverse_diagonal.assign(fixed.size(), 1);
+  rows.diagonal.assign(fixed.size(), 0);
   for (std::size_t r = 0; r < fixed.size(); ++r) {
     if (!std::isnan(fixed[r])) continue;
     for (auto e = matrix.start[r]; e < matrix.start[r + 1]; ++e)
       if (static_cast<std::size_t>(matrix.column[e]) == r && matrix.value[e] > 0) {
         rows.inverse_diagonal[r] = 1 / matrix.value[e];
-        rows.is_free[r] = 1;
+        rows.diagonal[r] = e;
         rows.row.push_back(static_cast<std::int32_t>(r));
       }
   }
   return rows;
 }
 
-double row_product(const Stiffness& matrix, std::size_t r, const std::vector<double>& x) {
+/// Sum over some entries of a row.
+double part_product(const Stiffness& matrix, std::size_t first, std::size_t end, const std::vector<double>& x) {
   double sum = 0;
-  for (auto e = matrix.start[r]; e < matrix.start[r + 1]; ++e)
-    sum += matrix.value[e] * x[static_cast<std::size_t>(matrix.column[e])];
+  for (auto e = first; e < end; ++e) sum += matrix.value[e] * x[static_cast<std::size_t>(matrix.column[e])];
   return sum;
 }
 
-/// Sum over the columns before (or behind) the row.
-template <class Side>
-double side_product(const Stiffness& matrix, std::size_t r, const std::vector<double>& x, Side&& on_side) {
-  double sum = 0;
-  for (auto e = matrix.start[r]; e < matrix.start[r + 1]; ++e) {
-    const auto c = static_cast<std::size_t>(matrix.column[e]);
-    if (on_side(c)) sum += matrix.value[e] * x[c];
-  }
-  return sum;
+double row_product(const Stiffness& matrix, std::size_t r, const std::vector<double>& x) {
+  return part_product(matrix, matrix.start[r], matrix.start[r + 1], x);
 }
 
 /// z = (D + U)^-1 D (D + L)^-1 r on the free rows; z is 0 elsewhere and stays so.
@@ -52,11 +45,11 @@ void precondition(const Stiffness& matrix, const FreeRows& rows, const std::vect
   for (const auto row : rows.row) z[static_cast<std::size_t>(row)] = 0;
   for (const auto row : rows.row) {
     const auto n = static_cast<std::size_t>(row);
-    z[n] = rows.inverse_diagonal[n] * (r[n] - side_product(matrix, n, z, [n](std::size_t c) { return c < n; }));
+    z[n] = rows.inverse_diagonal[n] * (r[n] - part_product(matrix, matrix.start[n], rows.diagonal[n], z));
   }
   for (auto it = rows.row.rbegin(); it != rows.row.rend(); ++it) {
     const auto n = static_cast<std::size_t>(*it);
-    z[n] -= rows.inverse_diagonal[n] * side_product(matrix, n, z, [n](std::size_t c) { return c > n; });
+    z[n] -= rows.inverse_diagonal[n] * part_product(matrix, rows.diagonal[n] + 1, matrix.start[n + 1], z);
   }
 }
 
@@ -132,7 +125,7 @@ Stiffness make_stiffness(const TetMesh& mesh, const std::vector<std::int32_t>& c
 
 std::vector<double> solve_laplace(const Stiffness& matrix, const FixedValues& fixed) {
   constexpr int most_iterations = 2000;
-  constexpr double tolerance = 1e-8;
+  constexpr double tolerance = 1e-6;
   const FreeRows rows = free_rows(matrix, fixed);
   std::vector<double> x = fixed;
   for (double& v : x)

@@ -28,7 +28,7 @@ using FixedValues = std::vector<double>;
 
 /// Per row of `matrix`: the harmonic function with the fixed values; nothing flows through the rest of the boundary.
 /// Parts without a fixed value get 0. Conjugate gradients with symmetric Gauss-Seidel steps as preconditioner, to a
-/// residual of 1e-8 of the first. Serial, always the same bits; several problems may be solved at the same time.
+/// residual of 1e-6 of the first. Serial, always the same bits; several problems may be solved at the same time.
 std::vector<double> solve_laplace(const Stiffness& matrix, const FixedValues& fixed);
 
 /// Per row: mean of the gradients (per mm) of the cells around, weighted by volume.

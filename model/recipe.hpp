@@ -214,7 +214,7 @@ struct MeshSettings {
   template <class V>
   static void describe(V&& v, auto& s) {
     v("meshes", s.meshes, "which meshes to make");
-    v("backend", s.backend, "mesher of the heart and the torso: \"lattice\", \"cgal\" or \"tetgen\"");
+    v("backend", s.backend, "mesher of the heart and the torso: \"lattice\", \"distmesh\", \"cgal\" or \"tetgen\"");
     v("heart_edge_mm", s.heart_edge_mm, "edge length in the walls of the heart");
     v("resolutions_mm", s.resolutions_mm, "further edge lengths, each for one more mesh of the walls, 0.4 to 3");
     v("blood_edge_mm", s.blood_edge_mm, "edge length in the chambers, away from the walls");

@@ -20,6 +20,7 @@
 #include "generator/app/image_stages.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/segment/crop.hpp"
+#include "generator/study/study.hpp"
 #include "model/error.hpp"
 #include "validation/contour_fit.hpp"
 
@@ -311,6 +312,33 @@ void print_summary(const std::vector<Case>& cases) {
   fmt::print("{} of {} phantoms within every bound\n", good, cases.size());
 }
 
+/// The least Dice of all noises over the contrast, a curve per region.
+study::Plot plot_of(const std::vector<Case>& cases) {
+  study::Plot plot{.name = "accuracy",
+                   .title = "Phantoms without a landmark",
+                   .x_label = "right heart's blood minus muscle (HU)",
+                   .y_label = "least Dice",
+                   .curves = {}};
+  for (const Bound& bound : bounds) {
+    std::map<double, double> least;
+    for (const Case& c : cases) {
+      const double dice = c.refusal.empty() ? value_of(c, bound.region, "dice") : 0;
+      const auto [at, fresh] = least.try_emplace(c.right_minus_muscle_hu, dice);
+      if (!fresh) at->second = std::fmin(at->second, dice);
+    }
+    study::Curve curve{bound.heading, {}, {}};
+    for (const auto& [contrast_hu, dice] : least) curve.x.push_back(contrast_hu), curve.y.push_back(dice);
+    plot.curves.push_back(std::move(curve));
+  }
+  return plot;
+}
+
+/// Called before the work as well, to know in time that it can be written.
+void write_plot(const std::string& file, const std::string& text) {
+  if (!file.empty() && !(std::ofstream(file) << text << std::flush))
+    throw UserError("cannot be written", file, "name a file in a folder that exists and may be written to");
+}
+
 /// Every variant at every noise.
 std::vector<datasets::PhantomSettings> phantoms_of(const AccuracyCommand& command) {
   std::vector<datasets::PhantomSettings> phantoms;
@@ -335,6 +363,7 @@ int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm)
   if (command.of != "chambers") return accuracy_of_part(command, phantoms, comm);
   if (command.resume && command.keep.empty())
     throw UserError("there is nothing to resume", "accuracy --resume", "name the earlier run's folder with --keep");
+  parallel::run_on_root(comm, [&] { write_plot(command.plot, ""); });
   const bool table = comm.is_root() && !command.json;
   if (table) print_heading();
   std::vector<Case> cases;
@@ -343,6 +372,7 @@ int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm)
     if (table) print_row(cases.back());
   }
   if (table) print_summary(cases);
+  parallel::run_on_root(comm, [&] { write_plot(command.plot, study::svg(plot_of(cases))); });
   if (comm.is_root() && command.json) {
     Json rows = Json::array();
     for (const Case& c : cases) rows.push_back(as_json(c));

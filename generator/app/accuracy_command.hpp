@@ -15,14 +15,15 @@ struct AccuracyCommand {
   Vec3 spacing_mm{1.4, 1.4, 1.9};
   std::string keep;     ///< folder for each case's CT, truth and label map; empty: none are written
   bool resume = false;  ///< take from `keep` the phantoms that an earlier run with the same grid measured
+  std::string plot;     ///< SVG to write: Dice of every region over the right heart's contrast; empty: none
   bool json = false;
   std::string of = "chambers";  ///< or a part of accuracy_parts.hpp
 };
 
 /// One row per phantom: Dice and mean surface distance of ventricles and atria, distance and angle of each valve's
 /// plane, angle of the long axis, confidence, seconds; then the worst of each and the rows that miss their bounds. Exit
-/// code 3 where a row misses. Throws UserError for variants it cannot read, phantoms out of range, and `resume` without
-/// `keep`. @collective
+/// code 3 where a row misses. Throws UserError for variants it cannot read, phantoms out of range, `resume` without
+/// `keep`, and a plot that cannot be written. @collective
 int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm);
 
 }  // namespace heart::app

@@ -29,7 +29,7 @@ std::vector<double> numbers_of(const adapters::AffineMap& map) {
 adapters::AffineMap map_of(const std::vector<double>& numbers) {
   adapters::AffineMap map;
   for (int row = 0; row < 3; ++row) {
-    const auto at = static_cast<std::size_t>(4 * row);
+    const auto at = 4 * static_cast<std::size_t>(row);
     map.matrix[row] = {numbers[at], numbers[at + 1], numbers[at + 2]};
     map.offset_mm[row] = numbers[at + 3];
   }

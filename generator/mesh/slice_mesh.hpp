@@ -27,8 +27,9 @@ struct SliceReport {
   double seconds_truss = 0, seconds_improve = 0;
 };
 
-/// Slice `index` along the third axis of the label map. Throws UserError for an index outside the map, a slice without
-/// a label, an unknown label, and settings that are not positive.
+/// Slice `index` along the third axis of the label map. Parts too narrow for the wanted edges get shorter ones, down to
+/// half a pixel. Throws UserError for an index outside the map, a slice without a label, an unknown label, settings
+/// that are not positive, and edges that would give more than 20 million triangles.
 TriMesh mesh_slice(const LabelVolume& labels, std::int64_t index, const SliceSettings& settings,
                    SliceReport* report = nullptr);
 

@@ -9,6 +9,7 @@
 
 #include "generator/adapters/cgal_mesher.hpp"
 #include "generator/lattice/repair.hpp"
+#include "generator/lattice/separate.hpp"
 #include "generator/mesh/curves.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/improve.hpp"
@@ -19,6 +20,7 @@
 #include "generator/mesh/vessel_domain.hpp"
 #include "generator/segment/components.hpp"
 #include "generator/segment/distance.hpp"
+#include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
 
 namespace heart::mesh {
@@ -28,10 +30,11 @@ constexpr int rays_per_section = 96;
 constexpr double spacing_per_edge = 0.8;
 constexpr double smoothing_per_edge = 0.5;  // at most: smoothing shrinks a narrow lumen
 constexpr double stub_edges = 1.5;
-constexpr double wall_per_edge = 0.5;     // of a carotid: flow has its boundary layer there
-constexpr std::int64_t crumb_cells = 30;  // pieces of so few cells are dropped
-constexpr std::size_t most_ends = 60;     // labels of stubs must fit a LabelSet
-constexpr double least_component = 0.2;   // share of the largest component's voxels; smaller ones are dropped
+constexpr double wall_per_edge = 0.5;        // of a carotid: flow has its boundary layer there
+constexpr std::int64_t crumb_cells = 30;     // pieces of so few cells are dropped
+constexpr double least_radius_edges = 1.75;  // thinner branches are left out
+constexpr std::size_t most_ends = 60;        // labels of stubs must fit a LabelSet
+constexpr double least_component = 0.2;      // share of the largest component's voxels; smaller ones are dropped
 // Where rays from the axis, in the plane of the cut, leave the lumen.
 std::vector<CurvePoint> sample_rim(const VesselDomain& domain, const VesselEnd& end) {
   const Vec3 aside = std::abs(end.normal.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
@@ -106,13 +109,15 @@ adapters::LabelledCells lattice_vessel(const VesselDomain& domain) {
   lattice::RepairSettings repairing;
   repairing.may_relabel = false;  // it would take cells out of a cut
   lattice::repair(complex, materials, repairing);
+  lattice::separate_sheets(complex, repairing.least);
   lattice::compress(complex);
   auto cells = collect(complex, domain.lumen.grid);
   for (std::size_t c = 0; c < cells.cells.size(); ++c) {
     if (cells.label[c] != stub_label) continue;
     Vec3 center;
     for (const auto n : cells.cells[c]) center += 0.25 * cells.nodes_mm[static_cast<std::size_t>(n)];
-    cells.label[c] = stub_label + std::max(0, end_beyond(domain, center));
+    const int end = end_beyond(domain, center);
+    cells.label[c] = stub_label + (end >= 0 ? end : static_cast<int>(nearest_end(domain, center)));
   }
   return cells;
 }
@@ -156,6 +161,14 @@ LabelVolume cropped(const Mask& lumen, Region vessel) {
   return labels;
 }
 
+// Without the branches that cells of the wanted size cannot fill; everything where all would go.
+Mask without_thin_branches(const Mask& lumen, double least_radius_mm) {
+  const auto& s = lumen.grid.spacing_mm;
+  const Mask wide = segment::open(lumen, least_radius_mm);
+  if (segment::count(wide) == 0) return lumen;
+  return segment::intersect(lumen, segment::dilate(wide, 1.01 * std::max({s.x, s.y, s.z})));
+}
+
 VesselDomain vessel_domain(const Mask& lumen, Region vessel, const MeshSettings& settings) {
   const bool is_trachea = vessel == Region::trachea;
   VesselDomain domain;
@@ -167,7 +180,8 @@ VesselDomain vessel_domain(const Mask& lumen, Region vessel, const MeshSettings&
   domain.wall_edge_mm = (is_trachea ? 1 : wall_per_edge) * domain.edge_mm;
   domain.stub_mm = stub_edges * domain.edge_mm;
   const double smoothing_mm = std::min(settings.smoothing_mm, smoothing_per_edge * domain.wall_edge_mm);
-  domain.lumen = make_domain(cropped(lumen, vessel), smoothing_mm);
+  domain.lumen = make_domain(cropped(without_thin_branches(lumen, least_radius_edges * domain.wall_edge_mm), vessel),
+                             smoothing_mm);
   Mask smooth(domain.lumen.grid);
   for (std::size_t v = 0; v < smooth.voxels.size(); ++v) smooth.voxels[v] = domain.lumen.voxels[v] != 0;
   domain.distance_mm = segment::signed_distance(smooth);

@@ -17,12 +17,6 @@ Vec3 index_of(const Grid& grid, const Vec3& p) {
 
 Vec3 lps_of(const Grid& grid, const Vec3& p) { return lps_from_index(grid, index_of(grid, p)); }
 
-const VesselEnd& nearest_end(const VesselDomain& domain, const Vec3& lps_mm) {
-  return *std::min_element(domain.ends.begin(), domain.ends.end(), [&](const VesselEnd& a, const VesselEnd& b) {
-    return norm(lps_mm - a.center_mm) - a.reach_mm < norm(lps_mm - b.center_mm) - b.reach_mm;
-  });
-}
-
 /// The lumen's wall; beyond the cut, that of the section continued along the axis.
 lattice::Equation wall_at(const VesselDomain& domain, const Vec3& lps_mm, const VesselEnd* end) {
   const Vec3 beyond = end == nullptr ? Vec3{} : dot(lps_mm - end->center_mm, end->normal) * end->normal;
@@ -44,7 +38,7 @@ void relabel_at_cuts(lattice::Complex& c, const VesselDomain& domain) {
     if (std::none_of(cell.begin(), cell.end(), [&](std::int32_t n) { return (c.bits(n) & cut) == cut; })) continue;
     const Vec3 middle = 0.25 * (c.at(cell[0]) + c.at(cell[1]) + c.at(cell[2]) + c.at(cell[3]));
     const Vec3 at = lps_of(domain.lumen.grid, middle);
-    const auto& end = nearest_end(domain, at);
+    const auto& end = domain.ends[nearest_end(domain, at)];
     c.label[t] = dot(at - end.center_mm, end.normal) > 0 ? stub_label : lumen_label;
   }
   for (auto& bits : c.touches)
@@ -61,6 +55,14 @@ bool in_lumen(const VesselDomain& domain, const Vec3& lps_mm) {
     if (index[axis] < -0.5 || index[axis] > static_cast<double>(grid.size[static_cast<std::size_t>(axis)]) - 0.5)
       return false;
   return region_at(domain.lumen, index) != 0;
+}
+
+std::size_t nearest_end(const VesselDomain& domain, const Vec3& lps_mm) {
+  const auto nearest =
+      std::min_element(domain.ends.begin(), domain.ends.end(), [&](const VesselEnd& a, const VesselEnd& b) {
+        return norm(lps_mm - a.center_mm) - a.reach_mm < norm(lps_mm - b.center_mm) - b.reach_mm;
+      });
+  return static_cast<std::size_t>(nearest - domain.ends.begin());
 }
 
 int end_beyond(const VesselDomain& domain, const Vec3& lps_mm) {
@@ -125,7 +127,7 @@ lattice::Materials materials_of(const VesselDomain& domain) {
     const Vec3 at = lps_of(domain.lumen.grid, p);
     const bool outside = (labels & lattice::bit_of(0)) != 0, stub = (labels & lattice::bit_of(stub_label)) != 0;
     const bool lumen = (labels & lattice::bit_of(lumen_label)) != 0;
-    const VesselEnd& end = nearest_end(domain, at);
+    const VesselEnd& end = domain.ends[nearest_end(domain, at)];
     const double beyond = dot(at - end.center_mm, end.normal);
     const Vec3 along = transposed(domain.lumen.grid.direction) * end.normal;
     std::size_t count = 0;
@@ -149,7 +151,7 @@ std::int64_t flatten_cuts(lattice::Complex& c, const VesselDomain& domain) {
     const auto node = static_cast<std::int32_t>(n);
     if ((c.bits(node) & cut) != cut) continue;
     const Vec3 old = c.at(node), at = lps_of(domain.lumen.grid, old);
-    const auto& end = nearest_end(domain, at);
+    const auto& end = domain.ends[nearest_end(domain, at)];
     const double beyond = dot(at - end.center_mm, end.normal);
     c.nodes_mm[n] = old - beyond * (transposed(domain.lumen.grid.direction) * end.normal);
     c.frozen[n] = 1;

@@ -25,6 +25,9 @@ constexpr int stub_label = 2;  ///< of every stub; `stub_label + e` where stubs 
 
 bool in_lumen(const VesselDomain& domain, const Vec3& lps_mm);
 
+/// Number of the end whose cut a point is nearest to.
+std::size_t nearest_end(const VesselDomain& domain, const Vec3& lps_mm);
+
 /// The end behind whose cut a point lies, in its stub or in what is cut off there; -1: none.
 int end_beyond(const VesselDomain& domain, const Vec3& lps_mm);
 

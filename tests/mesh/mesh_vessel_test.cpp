@@ -149,6 +149,29 @@ TEST(MeshVessel, TracheaThatLeavesTheImageIsCutInside) {
   EXPECT_EQ(surfaces.size(), 3U);
 }
 
+TEST(MeshVessel, BranchesThinnerThanItsCellsAreLeftOut) {
+  const Mask tree = as_mask(label_cube(60, 0.8, [](const Vec3& p) {
+    const bool inside = distance_to_segment(p, {0, 0, -22}, {0, 0, 22}) < 6 ||
+                        distance_to_segment(p, {0, 0, -8}, {17, 0, -16}) < 1.4 ||
+                        distance_to_segment(p, {0, 0, 4}, {16, 3, -7}) < 1.4 ||  // a wedge of outside between the two
+                        distance_to_segment(p, {0, 0, 5}, {-17, 0, 14}) < 4;
+    return inside ? Region::trachea : Region::none;
+  }));
+  MeshSettings settings;
+  settings.trachea_edge_mm = 1.6;
+  const auto mesh = mesh::mesh_vessel(tree, Region::trachea, settings);
+  EXPECT_EQ(mesh.rims.size(), 3U);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (mesh.surface[f] == surface_from_name("trachea_wall")) continue;
+    Vec3 middle;
+    for (const auto n : mesh.faces[f]) middle += (1.0 / 3) * mesh.nodes_mm[static_cast<std::size_t>(n)];
+    // Every face of an end lies at an end.
+    EXPECT_TRUE(std::abs(middle.z) > 14 || middle.x < -10) << middle.x << ' ' << middle.y << ' ' << middle.z;
+  }
+  settings.trachea_edge_mm = 0.6;
+  EXPECT_GT(mesh::mesh_vessel(tree, Region::trachea, settings).rims.size(), 3U);
+}
+
 TEST(MeshVessel, RefusesWhatIsNoTube) {
   Mask empty(label_cube(10, 1, [](const Vec3&) { return Region::none; }).grid);
   EXPECT_THROW(mesh::mesh_vessel(empty, Region::trachea, MeshSettings{}), UserError);

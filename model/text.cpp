@@ -27,10 +27,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// A name that holds the other ("edge_mm", "heart_edge_mm") was meant more likely than one with as few letters.
-std::size_t distance_between_names(std::string_view a, std::string_view b) {
-  const bool inside = a.find(b) != a.npos || b.find(a) != b.npos;
-  return inside ? 1 : edit_distance(a, b);
+/// A candidate that holds the whole word ("edge_mm", "heart_edge_mm") was meant more likely than one with as few
+/// letters.
+std::size_t distance_to_candidate(std::string_view word, std::string_view candidate) {
+  return candidate.find(word) != candidate.npos ? 1 : edit_distance(word, candidate);
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ std::size_t distance_between_names(std::string_view a, std::string_view b) {
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
   if (candidates.empty()) return "";
   return *std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
-    return distance_between_names(word, a) < distance_between_names(word, b);
+    return distance_to_candidate(word, a) < distance_to_candidate(word, b);
   });
 }
 

@@ -82,6 +82,7 @@ TEST(Volume, LinearSamplingIsExactForLinearImagesAndContinuesTheBorder) {
 TEST(Text, NearestNameAndNumbers) {
   EXPECT_EQ(nearest_name("lamda", {"mu", "lambda", "name"}), "lambda");
   EXPECT_EQ(nearest_name("edge_mm", {"meshes", "heart_edge_mm"}), "heart_edge_mm");
+  EXPECT_EQ(nearest_name("heart_edge", {"heart", "heart_edg_mm"}), "heart_edg_mm");
   EXPECT_EQ(number_text(2), "2.0");
   EXPECT_EQ(number_text(0.1), "0.1");
   EXPECT_EQ(parse_number("-2.5e3", "x"), -2500);

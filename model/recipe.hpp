@@ -203,6 +203,7 @@ struct MeshSettings {
   std::string backend = "lattice";  // of the heart and the torso: "lattice", "distmesh", "cgal" or "tetgen"
   std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
   double heart_edge_mm = 1.8;          // edge length in the walls of the heart
+  int wall_layers = 0;                 // edges from side to side of a thin wall, about; 0: any
   std::vector<double> resolutions_mm;  // further edge lengths, each for one more mesh of the walls alone
   double blood_edge_mm = 4;            // in the chambers, away from the walls
   double torso_edge_mm = 12;           // in the torso, away from the heart
@@ -216,6 +217,7 @@ struct MeshSettings {
     v("meshes", s.meshes, "which meshes to make");
     v("backend", s.backend, "mesher of the heart and the torso: \"lattice\", \"distmesh\", \"cgal\" or \"tetgen\"");
     v("heart_edge_mm", s.heart_edge_mm, "edge length in the walls of the heart");
+    v("wall_layers", s.wall_layers, "cells across thin walls, 0 (any) to 4: edges there are halved where that helps");
     v("resolutions_mm", s.resolutions_mm, "further edge lengths, each for one more mesh of the walls, 0.4 to 3");
     v("blood_edge_mm", s.blood_edge_mm, "edge length in the chambers, away from the walls");
     v("torso_edge_mm", s.torso_edge_mm, "edge length in the torso, away from the heart");

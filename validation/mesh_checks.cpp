@@ -12,6 +12,7 @@
 #include "validation/cell_quality.hpp"
 #include "validation/mesh_topology.hpp"
 #include "validation/self_intersection.hpp"
+#include "validation/wall_layers.hpp"
 
 namespace heart::validation {
 namespace {
@@ -312,6 +313,12 @@ Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const std::
   add_finite_volume_rows(rows, inner);
   for (const auto& [region, of_region] : facts_of_regions(facts))
     add_region({&report, mesh_name + "/" + region_name(region)}, of_region, settings);
+  for (const auto& [region, layers] : wall_layers(mesh)) {
+    const Rows of_wall{&report, mesh_name + "/" + region_name(region)};
+    of_wall.add("layers_p5", layers.p5, "count");
+    of_wall.add("layers_p50", layers.median, "count");
+    of_wall.add("layers_below_two", layers.below_two, "1");
+  }
   for (const auto& [surface, surface_faces] : faces_by_surface(facts))
     add_surface({&report, mesh_name + "/" + surface_name(surface)}, facts, surface_faces, settings);
   return report;

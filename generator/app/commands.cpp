@@ -267,6 +267,7 @@ std::string filter_help() {
 int mesh_command(const MeshCommand& command) {
   MeshSettings settings;
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
+  if (command.wall_layers) settings.wall_layers = *command.wall_layers;
   if (!command.backend.empty()) settings.backend = command.backend;
   mesh::LatticeReport steps;
   const LabelVolume labels = adapters::read_labels(command.labels);

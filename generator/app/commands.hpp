@@ -48,6 +48,7 @@ std::string filter_help();
 struct MeshCommand {
   std::string labels, output, backend;
   std::optional<double> edge_mm;
+  std::optional<int> wall_layers;
   bool json = false;
 };
 int mesh_command(const MeshCommand& command);

@@ -33,6 +33,7 @@ void refuse_too_fine(const LabelVolume& labels, double edge_mm, double memory_by
 MeshSettings settings_at(MeshSettings settings, double edge_mm) {
   settings.meshes = {"myocardium"};
   settings.resolutions_mm.clear();
+  settings.wall_layers = 0;  // the edge that was asked for, everywhere
   settings.heart_edge_mm = edge_mm;
   settings.blood_edge_mm = std::max(settings.blood_edge_mm, edge_mm);
   settings.torso_edge_mm = std::max(settings.torso_edge_mm, edge_mm);

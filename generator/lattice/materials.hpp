@@ -30,6 +30,7 @@ struct Materials {
   /// The surfaces on which a point where all of `labels` meet lies, as equations at a nearby point: one less than
   /// there are labels. Returns how many of `equations` were written.
   std::function<int(LabelBits labels, const Vec3& point, std::span<Equation> equations)> equations_at;
+  double finest_edge_mm = 0;  ///< the least of edge_mm where it is known, else 0
 };
 
 }  // namespace heart::lattice

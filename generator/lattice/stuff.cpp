@@ -18,6 +18,7 @@ using Edge = std::pair<std::int32_t, std::int32_t>;
 constexpr int halvings = 8;  // of an edge to find where it crosses: 1/256 of its length
 
 double finest_edge(const Materials& m) {
+  if (m.finest_edge_mm > 0) return m.finest_edge_mm;
   // The size field varies slowly: its samples at a sixty-fourth of the box miss little.
   constexpr int samples = 64;
   std::array<double, samples> finest;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 
 #include "generator/lattice/balance.hpp"
 #include "generator/lattice/repair.hpp"
@@ -40,6 +41,7 @@ lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& s
       equations[i] = {found[i].value, found[i].gradient};
     return count;
   };
+  materials.finest_edge_mm = static_cast<double>(*std::min_element(sizes.voxels.begin(), sizes.voxels.end()));
   return materials;
 }
 
@@ -66,8 +68,13 @@ struct Stopwatch {
 struct Attempt {
   lattice::Complex complex;
   std::int64_t below_goal = 0;
-  double worst = -1;  // quality
+  std::int64_t meeting = std::numeric_limits<std::int64_t>::max();  // pairs of outer faces that pass through each other
+  double worst = -1;                                                // quality
 };
+
+bool is_better(const Attempt& a, const Attempt& b) {
+  return a.meeting != b.meeting ? a.meeting < b.meeting : a.worst > b.worst;
+}
 
 Attempt attempt(const lattice::Materials& materials, double reach, std::span<const LabelSet> manifold_sets,
                 std::int64_t crumb_cells, Stopwatch& watch) {
@@ -83,7 +90,7 @@ Attempt attempt(const lattice::Materials& materials, double reach, std::span<con
   made.below_goal = lattice::repair(made.complex, materials, repairing);
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, repairing.least);
-  lattice::separate_sheets(made.complex, repairing.least);
+  made.meeting = lattice::separate_sheets(made.complex, repairing.least);
   lattice::compress(made.complex);
   made.worst = 1;
   for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));
@@ -91,7 +98,8 @@ Attempt attempt(const lattice::Materials& materials, double reach, std::span<con
   return made;
 }
 
-// How far nodes snap decides which configurations arise where several materials meet; another reach gives other ones.
+// How far nodes snap decides which configurations arise where several materials meet or the outside is narrow; another
+// reach gives other ones.
 constexpr std::array reaches{0.5, 0.42, 0.36};
 constexpr double enough = 0.47;  // quality: angles in [28, 146.4] degrees
 
@@ -111,8 +119,8 @@ lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<
   Attempt best;
   for (const double reach : reaches) {
     auto made = attempt(materials, reach, manifold_sets, crumb_cells, watch);
-    if (made.worst > best.worst) best = std::move(made);
-    if (best.worst >= enough) break;
+    if (is_better(made, best)) best = std::move(made);
+    if (best.meeting == 0 && best.worst >= enough) break;
   }
   if (report != nullptr) report->cells_below_goal = best.below_goal;
   return std::move(best.complex);

@@ -44,6 +44,9 @@ void check_settings(const MeshSettings& s) {
   if (std::find(backends.begin(), backends.end(), s.backend) == backends.end())
     throw UserError(fmt::format("unknown backend \"{}\"", s.backend), "recipe, [mesh]",
                     fmt::format("use \"{}\"", fmt::join(backends, "\", \"")));
+  if (s.wall_layers < 0 || s.wall_layers > most_wall_layers)
+    throw UserError(fmt::format("wall_layers is {}", s.wall_layers), "recipe, [mesh]",
+                    fmt::format("it must be a whole number from 0 to {}", most_wall_layers));
   if (!(s.smoothing_mm >= 0) || !std::isfinite(s.smoothing_mm))
     throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]", "it must not be negative");
 }

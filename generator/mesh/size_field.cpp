@@ -1,12 +1,16 @@
 #include "generator/mesh/size_field.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "generator/mesh/thin_walls.hpp"
 #include "generator/segment/distance.hpp"
+#include "model/error.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -158,18 +162,66 @@ void resolve_thin_parts(Volume<float>& sizes, const MeshDomain& domain, const Me
   }
 }
 
+// Between samples of the size everything is interpolated: all eight around a place are lowered.
+void lower_around(Volume<float>& sizes, const Vec3& lps_mm, float edge_mm) {
+  const Vec3 index = index_from_lps(sizes.grid, lps_mm);
+  Index3 low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const auto last = sizes.grid.size[a] - 1;
+    low[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(index[axis])), 0, last);
+    high[a] = std::min(low[a] + 1, last);
+  }
+  for (auto k = low[2]; k <= high[2]; ++k)
+    for (auto j = low[1]; j <= high[1]; ++j)
+      for (auto i = low[0]; i <= high[0]; ++i) sizes(i, j, k) = std::min(sizes(i, j, k), edge_mm);
+}
+
+void refuse_too_many_cells(double thin_mm3, double edge_mm, int layers) {
+  constexpr double cells_per_cube = 13.5;  // of the edge, as the lattice makes them
+  constexpr double most_cells = 2e7;
+  const double cells = cells_per_cube * thin_mm3 / (edge_mm * edge_mm * edge_mm);
+  if (cells <= most_cells) return;
+  throw UserError(fmt::format("{} layers would put about {:.0f} million cells into thin walls", layers, cells / 1e6),
+                  "recipe, [mesh] wall_layers", "ask for fewer layers or a longer heart_edge_mm");
+}
+
+void refine_thin_walls(Volume<float>& sizes, const MeshDomain& domain, const MeshSettings& settings) {
+  // A shell of the lattice has so many layers over 95 % of its area (measured on spherical shells; tests).
+  constexpr double edges_per_layer = 0.9;
+  const double edge = settings.heart_edge_mm / 2;
+  const auto& spacing = domain.grid.spacing_mm;
+  const double sample_mm = std::max(settings.heart_edge_mm / 3, 0.5 * std::min({spacing.x, spacing.y, spacing.z}));
+  const auto thin = thin_walls(domain, edges_per_layer * settings.wall_layers * settings.heart_edge_mm, sample_mm);
+  const auto count = std::count(thin.voxels.begin(), thin.voxels.end(), std::uint8_t{1});
+  refuse_too_many_cells(static_cast<double>(count) * sample_mm * sample_mm * sample_mm, edge, settings.wall_layers);
+  const auto& size = thin.grid.size;
+  std::size_t at = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++at) {
+        if (thin.voxels[at] == 0) continue;
+        const Vec3 index{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+        lower_around(sizes, lps_from_index(thin.grid, index), static_cast<float>(edge));
+      }
+}
+
 }  // namespace
 
 Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings, ThinParts thin_parts) {
   constexpr double growth_around_thin_parts = 1;
   // Between samples, in heart edges. Distances to interfaces need fewer samples than edges do.
-  const double sample_distance = thin_parts == ThinParts::resolved ? 1.5 : 1;
+  const double sample_distance = thin_parts == ThinParts::resolved && settings.wall_layers <= 1 ? 1.5 : 1;
   auto sizes = finest_edges(domain, settings, sample_distance);
   const auto limit = [&](double growth) {
     for (int repeat = 0; repeat < 2; ++repeat)
       for (const int sign : {1, -1}) limit_growth(sizes, growth, sign);
   };
   limit(settings.growth);
+  if (settings.wall_layers > 1) {  // one layer is always there
+    refine_thin_walls(sizes, domain, settings);
+    if (thin_parts == ThinParts::ignored) limit(settings.growth);
+  }
   if (thin_parts == ThinParts::ignored) return sizes;
   resolve_thin_parts(sizes, domain, settings);
   limit(std::max(growth_around_thin_parts, settings.growth));

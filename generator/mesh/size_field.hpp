@@ -11,12 +11,17 @@ namespace heart::mesh {
 /// Where a region is thinner than its edge, the edge is halved until it fits, down to a quarter and to heart_edge_mm,
 /// if thin parts are to be resolved; around them the mesher grades as it must. A mesher that refines by the distance to
 /// surfaces does all that itself.
+/// Where a wall of the heart is so thin that fewer than settings.wall_layers edges of heart_edge_mm would cross it, its
+/// edges are heart_edge_mm / 2; never less: a wall that tapers out would ask for any number of cells.
+/// Throws UserError where that takes more cells than a mesh may have.
 enum class ThinParts : std::uint8_t { ignored, resolved };
 Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings,
                          ThinParts thin_parts = ThinParts::ignored);
 
 /// The finest edges that thin parts of the body may get.
 double finest_body_edge_mm(const MeshSettings& settings);
+
+constexpr int most_wall_layers = 4;
 
 double edge_at(const Volume<float>& sizes, const Vec3& lps_mm);
 

@@ -154,7 +154,7 @@ TEST(MeshVessel, BranchesThinnerThanItsCellsAreLeftOut) {
     const bool inside = distance_to_segment(p, {0, 0, -22}, {0, 0, 22}) < 6 ||
                         distance_to_segment(p, {0, 0, -8}, {17, 0, -16}) < 1.4 ||
                         distance_to_segment(p, {0, 0, 4}, {16, 3, -7}) < 1.4 ||  // a wedge of outside between the two
-                        distance_to_segment(p, {0, 0, 5}, {-17, 0, 14}) < 4;
+                        distance_to_segment(p, {0, 0, 0}, {-23, 0, 12}) < 4;
     return inside ? Region::trachea : Region::none;
   }));
   MeshSettings settings;

@@ -13,6 +13,7 @@
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/liver.hpp"
 #include "generator/segment/morphology.hpp"
+#include "generator/segment/spinal_canal.hpp"
 #include "generator/segment/wall_band.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -42,12 +43,14 @@ constexpr double brightest_vessel = 1.15;      // of the heart's blood
 constexpr float deepest_mm = 12;               // beyond that depth makes no difference
 constexpr float brightest_bone_hu = 1800;      // more is metal, or undiluted contrast in a vein
 constexpr double dense_rim_mm = 2.5;           // around it
+constexpr float canal_hu = 100;                // the cord and the fluid around it are darker, most marrow is brighter
 constexpr double spongy_mm = 3;                // marrow in gaps of the bone up to twice this wide belongs to it
 constexpr double trim_depth_mm = 2.2;          // the blurred outside of bone is no thicker
 constexpr double bright_reach_mm = 2.5;        // the shell that it belongs to is this near
 constexpr float soft_hu = 60;                  // of muscle beside bone
 constexpr float trim_fraction = 0.45;          // of the shell's height above that: a little less, for the marrow's sake
 constexpr double least_bone_ml = 0.5;
+constexpr double lung_look_mm = 4;  // beyond the blurred rim of a piece
 
 template <class Rule>
 Mask mask_where(const Grid& grid, Rule rule) {
@@ -269,6 +272,51 @@ Mask trimmed(const Mask& bone, const Volume<float>& image) {
   return intersect(fill_holes_in_slices(result), bone);
 }
 
+/// Without the pieces that see lung to most sides, which are vessels of the lung; a rib sees it to one side.
+Mask drop_pieces_in_lung(const Mask& bone, const Mask& lung) {
+  const Components parts = connected_components(bone);
+  std::vector<std::int64_t> lung_views(parts.voxel_count.size(), 0), views(parts.voxel_count.size(), 0);
+  const auto& size = bone.grid.size;
+  Index3 look{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    look[axis] = std::max<std::int64_t>(std::lround(lung_look_mm / bone.grid.spacing_mm[static_cast<int>(axis)]), 1);
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
+        if (!bone.voxels[v]) continue;
+        const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          for (const int way : {-1, 1}) {
+            Index3 next{i, j, k}, at{i, j, k};
+            next[axis] += way, at[axis] += way * look[axis];
+            if (!bone.grid.contains(at[0], at[1], at[2]) || bone(next[0], next[1], next[2])) continue;
+            ++views[label];
+            lung_views[label] += lung(at[0], at[1], at[2]);
+          }
+      }
+  return mask_where(bone.grid, [&](std::size_t n) {
+    const auto label = static_cast<std::size_t>(parts.label.voxels[n]);
+    return label > 0 && 2 * lung_views[label] <= views[label];
+  });
+}
+
+/// LPS y of the centre of the chambers; -no_value without any, which is in front of everything.
+double middle_of_heart_mm(const LabelVolume& chambers) {
+  const auto [nx, ny, nz] = chambers.grid.size;
+  Vec3 sum;
+  double n = 0;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < nz; ++k)
+    for (std::int64_t j = 0; j < ny; ++j)
+      for (std::int64_t i = 0; i < nx; ++i, ++v) {
+        if (chambers.voxels[v] == 0) continue;
+        sum = sum + Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+        n += 1;
+      }
+  return n > 0 ? lps_from_index(chambers.grid, sum * (1 / n)).y : -no_value;
+}
+
 Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& chambers) {
   Volume<float> image(ct.grid);
   std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
@@ -286,7 +334,11 @@ Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& ch
   const auto least = static_cast<std::int64_t>(least_bone_ml * 1000 / ct.grid.voxel_volume_mm3());
   const Mask shell = with_cortex(subtract(rest, organs), image, least);
   // Even marrow counts as an organ, too, but its shell closes around it.
-  const Mask bone = fill_holes_in_slices(subtract(close(shell, spongy_mm), organs));
+  const Mask solid = subtract(close(shell, spongy_mm), organs);
+  const Mask filled = fill_holes_in_slices(solid);
+  const Mask wall = mask_where(ct.grid, [&](std::size_t v) { return solid.voxels[v] || image.voxels[v] > canal_hu; });
+  const Mask canal = find_spinal_canal(filled, wall, middle_of_heart_mm(chambers));
+  const Mask bone = unite(subtract(filled, canal), solid);
   const Mask kept = mask_where(ct.grid, [&](std::size_t v) {
     return bone.voxels[v] && body.body.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] &&
            chambers.voxels[v] == 0;
@@ -295,7 +347,7 @@ Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& ch
   double blood_hu = 0;  // of the left side, wherever the contrast is just then
   for (const Region region : {Region::lv_blood, Region::la_blood, Region::aorta})
     if (const double hu = median_under(image, chambers, region); hu < no_value) blood_hu = std::max(blood_hu, hu);
-  return subtract(bone_alone, find_filled_vessels(bone_alone, image, blood_hu));
+  return drop_pieces_in_lung(subtract(bone_alone, find_filled_vessels(bone_alone, image, blood_hu)), body.lung);
 }
 
 }  // namespace

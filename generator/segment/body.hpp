@@ -10,7 +10,7 @@ namespace heart::segment {
 struct BodyResult {
   Mask body;   ///< the largest piece of tissue with everything inside it: air in lungs and airways too, no table
   Mask lung;   ///< lung air and the vessels in it; airways that open into it
-  Mask bone;   ///< cortical and spongy bone, filled, without contrast-filled vessels
+  Mask bone;   ///< cortical and spongy bone, filled, without the spinal canal and contrast-filled vessels
   Mask liver;  ///< at the "liver" seed, else where a liver lies; all 0 where none is found
 };
 

@@ -78,6 +78,12 @@ double overlap(const Mask& mask, const LabelVolume& truth, Region region) {
   return 2.0 * static_cast<double>(both) / static_cast<double>(sum);
 }
 
+/// LPS position of the centre of the n-th voxel in memory order.
+Vec3 voxel_centre(const Grid& grid, std::int64_t n) {
+  const std::int64_t i = n % grid.size[0], j = n / grid.size[0] % grid.size[1], k = n / (grid.size[0] * grid.size[1]);
+  return lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+}
+
 /// Replaces the chest's tissue within `radius_mm` of a vertical line by `grey_hu`.
 void fill_column(ToyChest& chest, double x, double y, double radius_mm, std::int16_t grey_hu) {
   std::size_t v = 0;
@@ -140,6 +146,65 @@ TEST(Body, AnArteryByItselfIsNoBoneAndARibByItselfIs) {
   EXPECT_GT(2 * rib_as_bone, rib);
 }
 
+enum class Spine { none, shell, marrow, canal };
+
+/// Vertebrae 26 mm apart along a curved spine, each a body with end plates and an arch that leaves room above it.
+Spine spine_part(const Vec3& p) {
+  const double bend = 5 * std::sin(p.z / 35), level = std::abs(std::remainder(p.z, 26.0));
+  const double in_body = std::hypot(p.x, p.y - 27 - bend), in_arch = std::hypot(p.x, p.y - 44 - bend);
+  if (in_arch < 6.5) return Spine::canal;
+  if (in_arch < 10 && level < 8) return Spine::shell;
+  if (in_body > 12 || level > 10.5) return Spine::none;
+  return in_body > 9 || level > 7.5 ? Spine::shell : Spine::marrow;
+}
+
+TEST(Body, MarrowIsBoneAndTheSpinalCanalIsNotThoughAsDark) {
+  ToyChest chest = toy_chest();
+  std::vector<Spine> part(chest.ct.voxels.size(), Spine::none);
+  for (std::int64_t n = 0; n < chest.ct.grid.voxel_count(); ++n) {
+    const auto v = static_cast<std::size_t>(n);
+    const Vec3 p = voxel_centre(chest.ct.grid, n);
+    if (chest.truth.voxels[v] == tag(Region::bone)) chest.ct.voxels[v] = 40;  // in place of the plain spine
+    part[v] = spine_part(p);
+    if (part[v] != Spine::none) chest.ct.voxels[v] = part[v] == Spine::shell ? 600 : 40;
+  }
+  const auto body = segment_body(chest.ct, chest.tree, chest.chambers, {}, {});
+  std::int64_t marrow = 0, canal = 0, marrow_as_bone = 0, canal_as_bone = 0;
+  for (std::size_t v = 0; v < part.size(); ++v) {
+    marrow += part[v] == Spine::marrow, marrow_as_bone += part[v] == Spine::marrow && body.bone.voxels[v];
+    canal += part[v] == Spine::canal, canal_as_bone += part[v] == Spine::canal && body.bone.voxels[v];
+  }
+  EXPECT_GT(marrow, 1000);
+  EXPECT_GT(10 * marrow_as_bone, 9 * marrow);
+  EXPECT_GT(canal, 1000);
+  EXPECT_LT(10 * canal_as_bone, canal);
+}
+
+TEST(Body, AVesselInTheLungIsNoBoneAndARibBesideTheLungIs) {
+  ToyChest chest = toy_chest();
+  std::int64_t vessel = 0, rib = 0, vessel_as_bone = 0, rib_as_bone = 0;
+  std::vector<std::uint8_t> place(chest.ct.voxels.size(), 0);
+  for (std::int64_t n = 0; n < chest.ct.grid.voxel_count(); ++n) {
+    const auto v = static_cast<std::size_t>(n);
+    const Vec3 p = voxel_centre(chest.ct.grid, n);
+    const double from_vessel = std::hypot(p.x - 32, p.y), from_rib = std::hypot(p.x - 30, p.y + 22);
+    if (p.z < 0 && from_vessel < 6) place[v] = 1;  // it leaves the lung below
+    if (from_rib < 6 && chest.truth.voxels[v] == tag(Region::torso)) place[v] = 2;
+    if (place[v] == 0) continue;
+    chest.ct.voxels[v] = std::min(from_vessel, from_rib) < 4 ? 250 : 600;  // both look like bone
+    chest.tree[0].above.voxels[v] = 1;
+    if (p.z < -40 && place[v] == 1) chest.ct.voxels[v] = 40;
+  }
+  const auto body = segment_body(chest.ct, chest.tree, chest.chambers, {}, {});
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    vessel += place[v] == 1, vessel_as_bone += place[v] == 1 && body.bone.voxels[v];
+    rib += place[v] == 2, rib_as_bone += place[v] == 2 && body.bone.voxels[v];
+  }
+  EXPECT_GT(vessel, 300);
+  EXPECT_EQ(vessel_as_bone, 0);
+  EXPECT_GT(2 * rib_as_bone, rib);
+}
+
 TEST(Body, SkinLungsAndBoneWithoutTheTable) {
   const ToyChest chest = toy_chest();
   const auto body = segment_body(chest.ct, chest.tree, chest.chambers, {}, {});
@@ -169,10 +234,8 @@ TEST(Body, NoTissueIsAUserError) {
 TEST(Body, TheLiverFollowsItsSeed) {
   ToyChest chest = toy_chest();
   LabelVolume truth = chest.truth;
-  const auto [nx, ny, nz] = truth.grid.size;
   for (std::int64_t v = 0; v < truth.grid.voxel_count(); ++v) {
-    const Vec3 p = lps_from_index(truth.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
-                                               static_cast<double>(v / (nx * ny))});
+    const Vec3 p = voxel_centre(truth.grid, v);
     if (norm(p - Vec3{-5, -34, -10}) > 17) continue;
     truth.voxels[static_cast<std::size_t>(v)] = tag(Region::liver);
     chest.ct.voxels[static_cast<std::size_t>(v)] = 110;
@@ -191,10 +254,8 @@ TEST(Body, TheLiverFollowsItsSeed) {
 /// A liver of 30 mm radius whose dome stands in the lung of one side: -1 the patient's right one.
 Mask liver_under_lung(double side, LabelVolume& truth) {
   ToyChest chest = toy_chest();
-  const auto [nx, ny, nz] = chest.truth.grid.size;
   for (std::int64_t v = 0; v < chest.truth.grid.voxel_count(); ++v) {
-    const Vec3 p = lps_from_index(chest.truth.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
-                                                     static_cast<double>(v / (nx * ny))});
+    const Vec3 p = voxel_centre(chest.truth.grid, v);
     if (norm(p - Vec3{28 * side, 0, -45}) > 30 || chest.truth.voxels[static_cast<std::size_t>(v)] == tag(Region::bone))
       continue;
     chest.truth.voxels[static_cast<std::size_t>(v)] = tag(Region::liver);

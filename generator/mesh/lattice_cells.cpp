@@ -101,7 +101,7 @@ Attempt attempt(const lattice::Materials& materials, double reach, std::span<con
 // How far nodes snap decides which configurations arise where several materials meet or the outside is narrow; another
 // reach gives other ones.
 constexpr std::array reaches{0.5, 0.42, 0.36};
-constexpr double enough = 0.47;  // quality: angles in [28, 146.4] degrees
+constexpr double enough = 0.4885;  // quality: angles in [29, 145] degrees
 
 }  // namespace
 

@@ -70,7 +70,8 @@ AtlasImage image_of_labels(const LabelVolume& labels, const Volume<Vec3>& fiber,
                            double spacing_mm);
 
 /// Fills the mesh's cavities, tells the ventricles apart by the thickness of their walls, and cuts where the cavities
-/// are no longer enclosed. The frame and the size are the atlas's own (standard_pose.hpp). Throws UserError when there are not two cavities.
+/// are no longer enclosed. The frame and the size are the atlas's own (standard_pose.hpp). Throws UserError when there
+/// are not two cavities.
 AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm);
 
 /// Long axis, base point, RV side and length from the parts below the plane (base_point, base_normal).

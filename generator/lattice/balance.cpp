@@ -119,24 +119,6 @@ std::vector<Vec3> shifts_of(const Complex& c, const std::vector<SurfaceFace>& fa
   return shift;
 }
 
-// The whole way, or as much of it as the cells around allow.
-void move(Complex& c, std::int32_t node, Vec3 way, double least_quality) {
-  constexpr int tries = 3;
-  auto& position = c.nodes_mm[static_cast<std::size_t>(node)];
-  const Vec3 old = position;
-  const auto star = c.star(node);
-  const double bound = std::min(least_quality, worst_quality(c, star));
-  for (int i = 0; i < tries; ++i, way *= 0.5) {
-    position = old + way;
-    const bool is_good =
-        std::all_of(star.begin(), star.end(), [&](std::int32_t t) { return quality(c, c.cell(t)) >= bound; });
-    if (!is_good) continue;
-    for (const auto t : star) update_quality(c, t);
-    return;
-  }
-  position = old;
-}
-
 }  // namespace
 
 void balance_surfaces(Complex& c, const Materials& materials, double least_quality) {
@@ -147,7 +129,7 @@ void balance_surfaces(Complex& c, const Materials& materials, double least_quali
     const auto shift = shifts_of(c, faces, measure(c, materials, faces));
     for (std::size_t n = 0; n < shift.size(); ++n)
       if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]))
-        move(c, static_cast<std::int32_t>(n), shift[n], least_quality);
+        shift_node(c, static_cast<std::int32_t>(n), shift[n], 3, least_quality);
   }
 }
 

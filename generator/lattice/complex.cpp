@@ -110,6 +110,20 @@ double worst_quality(const Complex& complex, std::span<const std::int32_t> cells
   return worst;
 }
 
+void shift_node(Complex& c, std::int32_t node, Vec3 way_mm, int tries, double least_quality) {
+  auto& position = c.nodes_mm[static_cast<std::size_t>(node)];
+  const Vec3 old = position;
+  const auto star = c.star(node);
+  const double bound = std::min(least_quality, worst_quality(c, star));
+  for (int i = 0; i < tries; ++i, way_mm *= 0.5) {
+    position = old + way_mm;
+    if (std::any_of(star.begin(), star.end(), [&](std::int32_t t) { return quality(c, c.cell(t)) < bound; })) continue;
+    for (const auto t : star) update_quality(c, t);
+    return;
+  }
+  position = old;
+}
+
 void derive_touches(Complex& complex) {
   for (auto& bits : complex.touches) bits = (bits & side_bits) | ((bits & hull_bit) != 0 ? bit_of(0) : 0);
   for (std::size_t c = 0; c < complex.cells.size(); ++c) {

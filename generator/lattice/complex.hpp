@@ -58,6 +58,10 @@ double quality(const Complex& complex, const Cell& cell);
 void update_quality(Complex& complex, std::int32_t cell);
 double worst_quality(const Complex& complex, std::span<const std::int32_t> cells);
 
+/// Moves a node the whole way or, halved at most `tries - 1` times, as much of it as leaves no cell around below
+/// `least_quality` or, if one is below already, below the worst.
+void shift_node(Complex& complex, std::int32_t node, Vec3 way_mm, int tries, double least_quality);
+
 /// Sets `touches` from the labels of the cells; sides are kept, and `hull_bit` becomes a touch of the outside.
 void derive_touches(Complex& complex);
 

@@ -103,18 +103,8 @@ void draw_back(Complex& c, std::int32_t node, const Vec3& way_out, double least_
   constexpr double most_shift = 0.06;  // of the lattice's width
   constexpr int tries = 4;
   if (c.is_frozen(node) || (c.bits(node) & side_bits) != 0 || dot(way_out, way_out) == 0) return;
-  auto& position = c.nodes_mm[static_cast<std::size_t>(node)];
-  const Vec3 old = position;
-  const auto star = c.star(node);
-  const double bound = std::min(least_quality, worst_quality(c, star));
-  Vec3 step = -most_shift * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]) * normalized(way_out);
-  for (int i = 0; i < tries; ++i, step *= 0.5) {
-    position = old + step;
-    if (std::any_of(star.begin(), star.end(), [&](std::int32_t t) { return quality(c, c.cell(t)) < bound; })) continue;
-    for (const auto t : star) update_quality(c, t);
-    return;
-  }
-  position = old;
+  const double length = most_shift * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]);
+  shift_node(c, node, -length * normalized(way_out), tries, least_quality);
 }
 
 }  // namespace

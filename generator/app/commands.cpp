@@ -271,7 +271,10 @@ int mesh_command(const MeshCommand& command) {
   if (!command.backend.empty()) settings.backend = command.backend;
   mesh::LatticeReport steps;
   const LabelVolume labels = adapters::read_labels(command.labels);
-  const TetMesh mesh = mesh::mesh_labels(labels, settings, &steps);
+  Volume<float> own_edges_mm;
+  if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
+  const TetMesh mesh =
+      mesh::mesh_labels(labels, settings, &steps, command.size_field.empty() ? nullptr : &own_edges_mm);
   adapters::write_vtu(command.output, mesh);
   fs::path faces(command.output);
   adapters::write_vtp(faces.replace_extension(".vtp"), mesh);

@@ -46,7 +46,7 @@ int filter_command(const FilterCommand& command, const parallel::Comm& comm);
 std::string filter_help();
 
 struct MeshCommand {
-  std::string labels, output, backend;
+  std::string labels, output, backend, size_field;
   std::optional<double> edge_mm;
   std::optional<int> wall_layers;
   bool json = false;

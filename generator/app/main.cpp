@@ -194,6 +194,7 @@ void add_tools(Program& p) {
   mesh->add_option("output", p.mesh.output, "mesh to write (.vtu)")->required();
   mesh->add_option("--edge", p.mesh.edge_mm, "edge length in the walls of the heart, mm");
   mesh->add_option("--layers", p.mesh.wall_layers, "cells across thin walls, 0 to 4 (default: the recipe's)");
+  mesh->add_option("--size-field", p.mesh.size_field, "image of edge lengths in mm, 0 where nothing is wished");
   mesh->add_option("--backend", p.mesh.backend, "lattice, distmesh, cgal or tetgen (default: the recipe's)");
   mesh->add_flag("--json", p.mesh.json, "print the certificate as JSON");
 

@@ -16,6 +16,7 @@
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/improve.hpp"
 #include "generator/mesh/lattice_cells.hpp"
+#include "generator/mesh/own_edges.hpp"
 #include "generator/mesh/seeds.hpp"
 #include "generator/mesh/settle_labels.hpp"
 #include "generator/mesh/size_field.hpp"
@@ -201,11 +202,13 @@ LabelVolume heart_only(const LabelVolume& labels) {
 
 }  // namespace
 
-TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report) {
+TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report,
+                    const Volume<float>* own_edges_mm) {
   check_settings(settings);
   const auto domain = make_domain(labels, settings);
   const bool is_delaunay = settings.backend == "cgal";
-  const auto sizes = size_field(domain, settings, is_delaunay ? ThinParts::ignored : ThinParts::resolved);
+  const auto own = own_edges_mm == nullptr ? std::vector<float>{} : own_edges_on(*own_edges_mm, labels.grid);
+  const auto sizes = size_field(domain, settings, is_delaunay ? ThinParts::ignored : ThinParts::resolved, own);
   auto cells = is_delaunay                      ? delaunay_cells(domain, sizes)
                : settings.backend == "tetgen"   ? tetgen_cells(domain, sizes, manifold_sets(), crumb_cells, report)
                : settings.backend == "distmesh" ? distmesh_cells(domain, sizes, manifold_sets(), crumb_cells, report)
@@ -244,7 +247,8 @@ TetMesh extract_regions(const TetMesh& mesh, std::span<const Region> regions) {
   return part;
 }
 
-std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshSettings& settings) {
+std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshSettings& settings,
+                                          const Volume<float>* own_edges_mm) {
   const auto wanted = [&](const char* name) {
     return std::find(settings.meshes.begin(), settings.meshes.end(), name) != settings.meshes.end();
   };
@@ -252,7 +256,7 @@ std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshS
   if (wanted("myocardium") || wanted("chambers")) require(labels, {Region::lv_blood});
   std::map<std::string, TetMesh> meshes;
   if (!wanted("myocardium") && !wanted("chambers") && !wanted("torso")) return meshes;
-  auto whole = mesh_labels(wanted("torso") ? labels : heart_only(labels), settings);
+  auto whole = mesh_labels(wanted("torso") ? labels : heart_only(labels), settings, nullptr, own_edges_mm);
   for (const auto& [name, accept] : {std::pair{"myocardium", &is_myocardium}, std::pair{"chambers", &is_blood}}) {
     if (!wanted(name)) continue;
     auto& part = meshes[name] = extract_regions(whole, regions_where(accept));

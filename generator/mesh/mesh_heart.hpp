@@ -16,8 +16,10 @@ namespace heart::mesh {
 /// Meshes every labelled region of `labels`. Each outer boundary face and each interface face is listed once, with its
 /// surface; the rims of valve orifices are node sets. Regions that the smoothing wipes out (islands of a voxel) have no
 /// cells. Throws UserError for an empty label map, an unknown label, and edge lengths that are not positive.
+/// `own_edges_mm` is the user's size field: an image of edge lengths, 0 where nothing is wished (own_edges.hpp).
 /// `report` is filled by the lattice back end.
-TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report = nullptr);
+TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report = nullptr,
+                    const Volume<float>* own_edges_mm = nullptr);
 
 /// The cells of `regions` with the nodes they use, in the order they have in `mesh`; parent_node and parent_cell hold
 /// their ids there. Faces between a kept and a dropped region keep their surface. Empty when no cell is kept.
@@ -27,6 +29,7 @@ TetMesh extract_regions(const TetMesh& mesh, std::span<const Region> regions);
 /// (everything) that settings.meshes names, out of one mesh. Without "torso" only the heart is meshed.
 /// parent ids point into the torso when it is made, and are empty otherwise.
 /// Throws UserError when the map lacks lv_myocardium, rv_myocardium or lv_blood and these are needed.
-std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshSettings& settings);
+std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshSettings& settings,
+                                          const Volume<float>* own_edges_mm = nullptr);
 
 }  // namespace heart::mesh

@@ -41,9 +41,18 @@ Grid coarse_grid(const Grid& grid, double sample_mm) {
   return coarse;
 }
 
+/// The finest of the walls' edge and of those that the user wants.
+double finest_edge_mm(const MeshSettings& settings, std::span<const float> own_edges_mm) {
+  double finest = settings.heart_edge_mm;
+  for (const float edge : own_edges_mm)
+    if (edge > 0) finest = std::min(finest, static_cast<double>(edge));
+  return finest;
+}
+
 // The finest edge of the voxels around each coarse sample.
-Volume<float> finest_edges(const MeshDomain& domain, const MeshSettings& settings, double sample_distance) {
-  Volume<float> sizes(coarse_grid(domain.grid, sample_distance * settings.heart_edge_mm),
+Volume<float> finest_edges(const MeshDomain& domain, const MeshSettings& settings, double sample_distance,
+                           std::span<const float> own_edges_mm) {
+  Volume<float> sizes(coarse_grid(domain.grid, sample_distance * finest_edge_mm(settings, own_edges_mm)),
                       std::numeric_limits<float>::max());
   const auto edge = edge_of_region(settings);
   std::array<std::int64_t, 3> factor;
@@ -56,7 +65,8 @@ Volume<float> finest_edges(const MeshDomain& domain, const MeshSettings& setting
       float* row = &sizes(0, j / factor[1], k / factor[2]);
       for (std::int64_t i = 0; i < size[0]; ++i, ++voxel) {
         float& value = row[i / factor[0]];
-        value = std::min(value, edge[domain.voxels[voxel]]);
+        const float own = own_edges_mm.empty() ? 0 : own_edges_mm[voxel];
+        value = std::min(value, own > 0 ? own : edge[domain.voxels[voxel]]);
       }
     }
   return sizes;
@@ -177,9 +187,10 @@ void lower_around(Volume<float>& sizes, const Vec3& lps_mm, float edge_mm) {
       for (auto i = low[0]; i <= high[0]; ++i) sizes(i, j, k) = std::min(sizes(i, j, k), edge_mm);
 }
 
+constexpr double cells_per_cube = 13.5;  // of the edge, as the lattice makes them
+constexpr double most_cells = 2e7;
+
 void refuse_too_many_cells(double thin_mm3, double edge_mm, int layers) {
-  constexpr double cells_per_cube = 13.5;  // of the edge, as the lattice makes them
-  constexpr double most_cells = 2e7;
   const double cells = cells_per_cube * thin_mm3 / (edge_mm * edge_mm * edge_mm);
   if (cells <= most_cells) return;
   throw UserError(fmt::format("{} layers would put about {:.0f} million cells into thin walls", layers, cells / 1e6),
@@ -206,18 +217,31 @@ void refine_thin_walls(Volume<float>& sizes, const MeshDomain& domain, const Mes
       }
 }
 
+void refuse_too_many_own_cells(const Volume<float>& sizes, const MeshDomain& domain) {
+  const auto labels = coarse_labels(domain, sizes.grid);
+  const Vec3& spacing = sizes.grid.spacing_mm;
+  double cubes = 0;  // of the edge
+  for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
+    if (labels.voxels[v] != 0) cubes += spacing.x * spacing.y * spacing.z / std::pow(sizes.voxels[v], 3);
+  if (cells_per_cube * cubes <= most_cells) return;
+  throw UserError(fmt::format("it asks for about {:.0f} million cells", cells_per_cube * cubes / 1e6),
+                  "size field of the mesh", "wish longer edges, or the short ones in a smaller part of the image");
+}
+
 }  // namespace
 
-Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings, ThinParts thin_parts) {
+Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings, ThinParts thin_parts,
+                         std::span<const float> own_edges_mm) {
   constexpr double growth_around_thin_parts = 1;
   // Between samples, in heart edges. Distances to interfaces need fewer samples than edges do.
   const double sample_distance = thin_parts == ThinParts::resolved && settings.wall_layers <= 1 ? 1.5 : 1;
-  auto sizes = finest_edges(domain, settings, sample_distance);
+  auto sizes = finest_edges(domain, settings, sample_distance, own_edges_mm);
   const auto limit = [&](double growth) {
     for (int repeat = 0; repeat < 2; ++repeat)
       for (const int sign : {1, -1}) limit_growth(sizes, growth, sign);
   };
   limit(settings.growth);
+  if (!own_edges_mm.empty()) refuse_too_many_own_cells(sizes, domain);
   if (settings.wall_layers > 1) {  // one layer is always there
     refine_thin_walls(sizes, domain, settings);
     if (thin_parts == ThinParts::ignored) limit(settings.growth);

@@ -1,5 +1,7 @@
 // The wanted edge length everywhere: fine in the walls of the heart, growing with the distance from them.
 #pragma once
+#include <span>
+
 #include "generator/mesh/domain.hpp"
 #include "model/recipe.hpp"
 
@@ -13,10 +15,11 @@ namespace heart::mesh {
 /// surfaces does all that itself.
 /// Where a wall of the heart is so thin that fewer than settings.wall_layers edges of heart_edge_mm would cross it, its
 /// edges are heart_edge_mm / 2; never less: a wall that tapers out would ask for any number of cells.
-/// Throws UserError where that takes more cells than a mesh may have.
+/// Where `own_edges_mm` (one per voxel of the domain, or none) is positive it stands for the region's edge.
+/// Throws UserError where wall_layers or own edges take more cells than a mesh may have.
 enum class ThinParts : std::uint8_t { ignored, resolved };
 Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings,
-                         ThinParts thin_parts = ThinParts::ignored);
+                         ThinParts thin_parts = ThinParts::ignored, std::span<const float> own_edges_mm = {});
 
 /// The finest edges that thin parts of the body may get.
 double finest_body_edge_mm(const MeshSettings& settings);

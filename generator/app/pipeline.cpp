@@ -139,9 +139,21 @@ std::vector<Region> needed_regions() {
 
 validation::RegistrationFigures registration_figures(const fibers::FiberResult& fibers) {
   const auto& figures = fibers.figures;
-  return {fibers.min_jacobian,   fibers.affine_rms_mm,        fibers.atlas_overlap, fibers.second_mean_deg,
-          fibers.second_p95_deg, figures.turn_p99_deg_per_mm, figures.atlas.lv,     figures.atlas.rv,
-          figures.carried.lv,    figures.carried.rv};
+  return {fibers.min_jacobian,
+          fibers.affine_rms_mm,
+          fibers.atlas_overlap,
+          fibers.second_mean_deg,
+          fibers.second_p95_deg,
+          figures.turn_p99_deg_per_mm,
+          figures.atlas.lv,
+          figures.atlas.rv,
+          figures.carried.lv,
+          figures.carried.rv,
+          figures.there.lv,
+          figures.there.rv,
+          figures.atlas_turn_p99_deg_per_wall,
+          figures.carried_turn_p99_deg_per_wall,
+          figures.atlas_junction_turn_p99_deg_per_mm};
 }
 
 Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, const Meshes& meshes,
@@ -177,20 +189,6 @@ std::string hash_of(const std::vector<exporters::BundleInput>& inputs, const std
   for (const auto& input : inputs)
     if (input.name.starts_with(role + ": ")) return input.sha256;
   return "none";
-}
-
-std::string time_log(const Run& run) {
-  std::string text;
-  double total = 0;
-  for (const auto& time : run.times) {
-    text += fmt::format("{:<12} {:8.2f} s{}\n", time.name, time.seconds,
-                        time.from == From::cache  ? "  from the cache"
-                        : time.from == From::file ? "  from a file"
-                                                  : "");
-    for (const auto& [part, seconds] : time.parts) text += fmt::format("  {:<20} {:6.2f} s\n", part, seconds);
-    total += time.seconds;
-  }
-  return text + fmt::format("{:<12} {:8.2f} s  on {} ranks\n", "all", total, run.comm.size);
 }
 
 validation::ReportInput report_input(const Recipe& recipe, const exporters::Bundle& bundle, const CtVolume& ct,

@@ -1,8 +1,10 @@
 #include "generator/app/run.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -17,6 +19,16 @@ namespace fs = std::filesystem;
 constexpr std::size_t hash_length = 64;
 
 fs::path entry_path(const fs::path& folder, const std::string& key) { return folder / (key + ".stage"); }
+
+double peak_gib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / (1 << 20);  // Linux counts KiB
+}
+
+const char* remark_of(From from) {
+  return from == From::cache ? "  from the cache" : from == From::file ? "  from a file" : "";
+}
 
 }  // namespace
 
@@ -61,7 +73,7 @@ bool Run::agreed(bool on_root) const {
 }
 
 void Run::record(const std::string& name, double seconds, From from) {
-  times.push_back({name, seconds, from});
+  times.push_back({name, seconds, from, peak_gib()});
   stage_ends(progress, name,
              from == From::cache  ? "from the cache"
              : from == From::file ? "from the given file"
@@ -100,6 +112,20 @@ void Run::rethrow_in_stage(const std::string& name) {
   } catch (const std::exception& error) {
     throw std::runtime_error(name + ": " + error.what());
   }
+}
+
+std::string time_log(const Run& run) {
+  std::string text = fmt::format("{:<22} {:>8}   most memory so far\n", "stage", "");
+  double seconds = 0, gib = 0;
+  for (const auto& time : run.times) {
+    text +=
+        fmt::format("{:<22} {:8.2f} s {:8.2f} GiB{}\n", time.name, time.seconds, time.peak_gib, remark_of(time.from));
+    for (const auto& part : time.parts) text += fmt::format("  {:<20} {:8.2f} s\n", part.first, part.second);
+    seconds += time.seconds;
+    gib = std::max(gib, time.peak_gib);
+  }
+  return text + fmt::format("{:<22} {:8.2f} s {:8.2f} GiB on {}\n", "all", seconds, gib,
+                            run.comm.size == 1 ? "1 rank" : fmt::format("the first of {} ranks", run.comm.size));
 }
 
 }  // namespace heart::app

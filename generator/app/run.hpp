@@ -29,6 +29,7 @@ struct StageTime {
   std::string name;
   double seconds = 0;
   From from = From::making;
+  double peak_gib = 0;                                  ///< the most memory that the root has held until its end
   std::vector<std::pair<std::string, double>> parts{};  ///< seconds of parts that the stage itself told
 };
 
@@ -153,5 +154,8 @@ struct Run {
   }
   [[noreturn]] static void rethrow_in_stage(const std::string& name);
 };
+
+/// A line per stage with its seconds and the memory so far, and a last one of all.
+std::string time_log(const Run& run);
 
 }  // namespace heart::app

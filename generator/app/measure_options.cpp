@@ -1,0 +1,84 @@
+#include "generator/app/options.hpp"
+
+namespace heart::app {
+namespace {
+
+void add_accuracy(Program& p) {
+  auto* sub = subcommand(p, "accuracy",
+                         "Segment phantoms without a landmark and compare with what they are (exit 3 "
+                         "below the bounds)",
+                         "heartgen accuracy --variants 0-14 --noise 10,22,40 --size 512,512,199 --spacing 0.5,0.5,1.2",
+                         [&p] { return accuracy_command(p.accuracy, p.comm); });
+  sub->add_option("--variants", p.accuracy.variants, "numbers and ranges (default 0-14)");
+  sub->add_option("--of", p.accuracy.of, "chambers (default), or one step alone: walls, carotid, trachea");
+  sub->add_option("--noise", p.accuracy.noise_hu, "standard deviations of the noise, HU (default 22)")->delimiter(',');
+  sub->add_option("--size", p.size, "voxels NX,NY,NZ (default 256,256,160)")->delimiter(',')->expected(3);
+  sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
+  sub->add_option("--keep", p.accuracy.keep, "folder for each phantom's CT, truth, label map and row");
+  sub->add_flag("--resume", p.accuracy.resume, "take the rows that an earlier run left in --keep");
+  sub->add_option("--plot", p.accuracy.plot, "SVG to write: least Dice over the right heart's contrast");
+  sub->add_flag("--json", p.accuracy.json, "print every number as JSON");
+}
+
+void add_fiber_accuracy(Program& p) {
+  auto& f = p.fiber_accuracy;
+  auto* sub = subcommand(p, "fiber-accuracy", "Carry an atlas to phantoms of known fibres and compare",
+                         "heartgen fiber-accuracy --cases 1,2,thick --atlas stand-in",
+                         on_root(p, [&p] { return fiber_accuracy_command(p.fiber_accuracy); }));
+  sub->add_option("--cases", f.cases, "variants, thick, dilated, cut, tilted (default 1-4 and all of these)")
+      ->delimiter(',');
+  sub->add_option("--atlas", f.atlas, "phantom, stand-in, or a file (default phantom: variant 0)");
+  sub->add_option("--methods", f.methods, "local_angles, coordinates, jacobian (default all)")->delimiter(',');
+  sub->add_option("--fields", f.fields, "uniform, regional (default uniform)")->delimiter(',');
+  sub->add_option(
+         "--atlas-frames", f.atlas_frames,
+         "plain, turned, scaled, axes, metres, all, mirrored: the atlas's file in other frames (default plain)")
+      ->delimiter(',');
+  sub->add_option("--label-spacing", f.spacing_mm, "of the exact labels, mm (default 1.2)");
+  sub->add_option("--mesh-edge", f.mesh_edge_mm, "also at nodes and cells of a mesh with this edge, mm");
+  sub->add_flag("--json", f.json, "print as JSON");
+}
+
+void add_bench(Program& p) {
+  auto* sub = subcommand(p, "bench", "Measure the speed of the image stages", "", [&p] {
+    if (p.threads > 0) p.bench.threads = p.threads;
+    return bench_command(p.bench, p.comm);
+  });
+  sub->footer(bench_help() +
+              "Examples:\n  heartgen bench sweep\n  mpirun -n 2 heartgen bench ranks\n  heartgen bench mesh\n"
+              "  heartgen bench mesh-torso --labels bundle/images/labels.nii.gz");
+  sub->add_option("names", p.bench.names, "benchmarks (default: all)");
+  sub->add_option("--size", p.size, "of the phantom, voxels NX,NY,NZ (default 512,512,199)")
+      ->delimiter(',')
+      ->expected(3);
+  sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 0.5,0.5,1.2)")->delimiter(',')->expected(3);
+  sub->add_option("--repeats", p.bench.repeats, "of short measurements, of which the median counts (default 7)")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--labels", p.bench.labels, "label map for mesh-torso, -vessels and -slice (default: a phantom's)");
+  sub->add_option("--variant", p.bench.variant, "of the phantom that they are made from otherwise (default 0)")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_flag("--processor-time", p.bench.processor_time,
+                "count processor time over threads, where the machine does other things meanwhile");
+  sub->add_flag("--json", p.bench.json, "print as JSON");
+}
+
+void add_study(Program& p) {
+  auto* sub = subcommand(p, "study", "Repeat the thesis's analysis of the Chan-Vese model: tables, curves, pictures",
+                         "", on_root(p, [&p] { return study_command(p.study); }));
+  sub->footer(study_help() + "Example:\n  heartgen study lengths phases --output study");
+  sub->add_option("name", p.study.names, "studies (default: all)");
+  sub->add_option("-o,--output", p.study.output, "folder for tables, plots, pictures and index.html");
+  sub->add_flag("--quick", p.study.quick, "small images and few iterations");
+  sub->add_flag("--json", p.study.json, "print tables and statements as JSON");
+}
+
+}  // namespace
+
+void add_measure_options(Program& p) {
+  add_accuracy(p);
+  add_fiber_accuracy(p);
+  add_bench(p);
+  add_study(p);
+}
+
+}  // namespace heart::app

@@ -1,0 +1,134 @@
+#include "generator/app/options.hpp"
+
+namespace heart::app {
+namespace {
+
+void add_segment(Program& p) {
+  auto* segment = subcommand(p, "segment", "Run a recipe's tree of two-phase splits on an image, 2D or 3D",
+                             "heartgen segment recipe.toml slice.nrrd leaves.nii.gz",
+                             [&p] { return segment_command(p.segment, p.comm); });
+  segment->add_option("recipe", p.segment.recipe, "recipe (.toml): its [denoise] and [[segmentation]]")->required();
+  segment->add_option("image", p.segment.image, "image of any grey values")->required();
+  segment->add_option("output", p.segment.output, "label image to write, one value per leaf of the tree")->required();
+  segment->add_flag("--json", p.segment.json, "print steps and leaves as JSON");
+}
+
+void add_tools(Program& p) {
+  auto* filter = subcommand(p, "filter", "Apply a PDE filter to an image",
+                            "heartgen filter perona_malik in.nii.gz out.nii.gz --iterations 10",
+                            [&p] { return filter_command(p.filter, p.comm); });
+  filter->footer(filter_help() + "Example:\n  heartgen filter heat in.nii.gz out.nii.gz --iterations 10");
+  filter->add_option("name", p.filter.name, "filter")->required();
+  filter->add_option("input", p.filter.input, "image")->required();
+  filter->add_option("output", p.filter.output, "image to write")->required();
+  filter->add_option("--threads", p.threads, "threads per process (default: all)");
+  filter->fallthrough(false);
+  filter->allow_extras();  // the filter's own parameters, checked against its table
+  filter->callback([&p, filter] {
+    p.filter.parameters = filter->remaining();
+    p.chosen = [&p] { return filter_command(p.filter, p.comm); };
+  });
+
+  auto* mesh =
+      subcommand(p, "mesh", "Mesh a label map (.vtu for the cells, .vtp beside it for the labelled faces)",
+                 "heartgen mesh labels.nii.gz heart.vtu --edge 1.5", on_root(p, [&p] { return mesh_command(p.mesh); }));
+  mesh->add_option("labels", p.mesh.labels, "label map with the tags of a bundle's manifest")->required();
+  mesh->add_option("output", p.mesh.output, "mesh to write (.vtu)")->required();
+  mesh->add_option("--edge", p.mesh.edge_mm, "edge length in the walls of the heart, mm");
+  mesh->add_option("--layers", p.mesh.wall_layers, "cells across thin walls, 0 to 4 (default: the recipe's)");
+  mesh->add_option("--size-field", p.mesh.size_field, "image of edge lengths in mm, 0 where nothing is wished");
+  mesh->add_option("--backend", p.mesh.backend, "lattice, distmesh, cgal or tetgen (default: the recipe's)");
+  mesh->add_flag("--json", p.mesh.json, "print the certificate as JSON");
+
+  auto* landmarks = subcommand(p, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT",
+                               "heartgen landmarks patient.nii.gz --output landmarks.json",
+                               on_root(p, [&p] { return landmarks_command(p.ct, p.path, p.json); }));
+  landmarks->add_option("ct", p.ct, "CT volume or DICOM folder")->required();
+  landmarks->add_option("-o,--output", p.path, "landmarks file to write, for input.landmarks of a recipe");
+  landmarks->add_flag("--json", p.json, "print as JSON");
+
+  auto* phantom = subcommand(p, "phantom", "Write the analytic phantom: CT, truth, landmarks, atlas and recipe",
+                             "heartgen phantom demo/phantom --size 256,256,160 --spacing 1.4,1.4,1.9",
+                             on_root(p, [&p] { return phantom_command(p.phantom); }));
+  phantom->add_option("folder", p.phantom.folder, "folder to write into")->required();
+  phantom->add_option("--size", p.size, "voxels NX,NY,NZ (default 256,256,160)")->delimiter(',')->expected(3);
+  phantom->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
+  phantom->add_option("--variant", p.phantom.variant, "another patient: pose, size, walls, contrast (default 0)");
+  phantom->add_option("--noise", p.phantom.noise_hu, "standard deviation of the noise, HU (default 22)");
+}
+
+void add_contours(Program& p) {
+  auto& c = p.contours;
+  auto* sub = subcommand(p, "contours", "Snakes, active contours and subjective surfaces on an image, from a seed",
+                         "heartgen contours geodesic in.nii.gz inside.nii.gz --seed 12,-40,90 --balloon 1\n"
+                         "  heartgen contours broken-circle --output pictures",
+                         [&p] { return contours_command(p.contours, p.comm); });
+  sub->add_option("method", c.method, "snake, geometric, geodesic, subjective or broken-circle")->required();
+  sub->add_option("input", c.input, "image, 2D or 3D (snake: 2D)");
+  sub->add_option("mask", c.output, "image to write: 1 inside the contour");
+  sub->add_option("--seed", c.seeds, "point inside the object, x,y,z in LPS mm; several in a row")->delimiter(',');
+  sub->add_option("--radius", c.radius_mm, "of the start around the seeds, mm (default 5)");
+  sub->add_option("--smoothing", c.smoothing_mm, "sigma of the Gaussian before the gradient, mm (default 1)");
+  sub->add_option("--edge", c.edge_per_mm, "slope of an edge, grey values per mm (default: from the image)");
+  sub->add_option("--curvature", c.curvature_mm, "weight of the curvature, mm (default 1; not for snakes)");
+  sub->add_option("--attraction", c.attraction_mm, "pull of the edges (default: geodesic as --curvature, snake 4)");
+  sub->add_option("--balloon", c.balloon, "outward speed where there is no edge, negative: inwards (default 0)");
+  sub->add_option("--tension", c.tension_mm, "snake: against length (default 0.3)");
+  sub->add_option("--rigidity", c.rigidity_mm3, "snake: against bending (default 1)");
+  sub->add_option("--share", c.share, "subjective: level of the border, of the height at the seeds (default 0.5)");
+  sub->add_option("--iterations", c.iterations, "steps at most (default 5000, 20000 for snakes and subjective)");
+  sub->add_option("--surface", c.surface, "also write the level set function");
+  sub->add_option("-o,--output", c.folder, "broken-circle: folder for the pictures");
+  sub->add_option("--noise", c.noise, "broken-circle: standard deviation of its noise, of 255 (default 0)");
+  sub->add_flag("--json", c.json, "print as JSON");
+}
+
+void add_slice(Program& p) {
+  auto* sub = subcommand(p, "slice",
+                         "Mesh a transverse slice with four subdomains: myocardium, heart cavities, lungs, torso "
+                         "(exit 3 when an angle is outside [28, 120] degrees)",
+                         "heartgen slice bundle slice.vtu --z -40 --edge 0.5",
+                         on_root(p, [&p] { return slice_command(p.slice); }));
+  sub->add_option("labels", p.slice.input, "label map, or folder of a bundle")->required();
+  sub->add_option("output", p.slice.output,
+                  "mesh to write: .vtu (labelled edges in a .vtp beside it) or .msh (gmsh 2.2)")
+      ->required();
+  sub->add_option("--index", p.slice.index, "slice, counted from 0 along the third axis of the label map");
+  sub->add_option("--z", p.slice.z_mm, "height of the slice instead, LPS z in mm");
+  sub->add_option("--edge", p.slice.edge_mm,
+                  "edge length in the myocardium, mm; half of it at interfaces (default 0.5)");
+  sub->add_option("--torso-edge", p.slice.torso_edge_mm, "edge length far from the heart, mm (default 6)");
+  sub->add_option("--growth", p.slice.growth, "increase of the edge length per mm from the myocardium (default 0.12)");
+  sub->add_flag("--json", p.slice.json, "print as JSON");
+}
+
+void add_improve(Program& p) {
+  auto& c = p.improve;
+  auto* sub = subcommand(p, "improve", "Raise the worst angles of any tetrahedral mesh; regions and surfaces stay",
+                         "heartgen improve mine.msh better.msh --goal-deg 20\n"
+                         "  heartgen improve heart.vtu better.vtu --slide 0.05 --drop GlobalNodeID",
+                         on_root(p, [&p] { return improve_command(p.improve); }));
+  sub->add_option("input", c.input, "mesh: .vtu, .vtk or .msh (2.2 or 4.1 as text)")->required();
+  sub->add_option("output", c.output, "mesh to write: .vtu, .vtk or .msh")->required();
+  sub->add_option("--goal-deg", c.settings.goal_deg, "dihedral angles to reach, 1 to 40 (default 20)");
+  sub->add_option("--slide", c.settings.slide_mm,
+                  "how far surfaces may come off the given ones, in the mesh's unit (default 0: unchanged)");
+  sub->add_option("--feature-deg", c.settings.feature_deg,
+                  "with --slide: edges where a surface turns by more stay (default 30)");
+  sub->add_option("--budget", c.settings.budget, "attempts on bad cells at most (default 10 000 000)");
+  sub->add_option("--region", c.region, "cell array with the regions (default: region, gmsh:physical, material ...)");
+  sub->add_option("--drop", c.drop, "arrays to leave out, separated by commas")->delimiter(',');
+  sub->add_flag("--json", c.json, "print as JSON");
+}
+
+}  // namespace
+
+void add_tool_options(Program& p) {
+  add_segment(p);
+  add_tools(p);
+  add_contours(p);
+  add_slice(p);
+  add_improve(p);
+}
+
+}  // namespace heart::app

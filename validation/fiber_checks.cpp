@@ -100,6 +100,12 @@ void add_jump_rows(const TetMesh& mesh, const RegistrationFigures& figures, Repo
   report.push_back(row("ventricles", "neighbour_turn_p99", quantile(all.turn_deg_per_mm, 0.99), "deg/mm"));
   if (figures.atlas_turn_p99_deg_per_mm)
     report.push_back(row("atlas", "neighbour_turn_p99", *figures.atlas_turn_p99_deg_per_mm, "deg/mm"));
+  if (figures.carried_turn_p99_deg_per_wall && figures.atlas_turn_p99_deg_per_wall) {
+    report.push_back(row("ventricles", "turn_per_wall_p99", *figures.carried_turn_p99_deg_per_wall, "deg/thickness"));
+    report.push_back(row("atlas", "turn_per_wall_p99", *figures.atlas_turn_p99_deg_per_wall, "deg/thickness"));
+  }
+  if (figures.atlas_junction_turn_p99_deg_per_mm)
+    report.push_back(row("atlas", "septum_junction_turn_p99", *figures.atlas_junction_turn_p99_deg_per_mm, "deg/mm"));
   if (junction.jump_deg.empty()) return;
   report.push_back(row("septum_junction", "neighbour_jump_p99", quantile(junction.jump_deg, 0.99), "deg"));
   report.push_back(row("septum_junction", "neighbour_turn_p99", quantile(junction.turn_deg_per_mm, 0.99), "deg/mm"));
@@ -221,19 +227,25 @@ std::optional<double> helix_between(const DepthSamples& samples, double low, dou
   return axis_quantile(angles, 0.5);
 }
 
-/// Near the wall's two surfaces: the atlas's helix, and by how much what was carried from it differs. The outermost
-/// twentieth is left out: there, samples of a grid and nodes of a mesh do not lie alike.
-void add_atlas_rows(const std::string& scope, const DepthSamples& atlas, const DepthSamples& carried, Report& report) {
+/// Near the wall's two surfaces: the atlas's helix, and by how much what was carried from it differs, over the whole of
+/// both walls and over corresponding places. The outermost twentieth is left out: there, samples of a grid and nodes of
+/// a mesh do not lie alike.
+void add_atlas_rows(const std::string& scope, const DepthSamples& atlas, const DepthSamples& there,
+                    const DepthSamples& carried, Report& report) {
   struct End {
-    const char *metric, *difference;
+    const char* name;
     double low, high;
   };
-  for (const auto& end : {End{"atlas_helix_endocardium", "helix_endocardium_off_atlas", 0.05, 0.2},
-                          End{"atlas_helix_epicardium", "helix_epicardium_off_atlas", 0.8, 0.95}}) {
-    const auto own = helix_between(atlas, end.low, end.high), ours = helix_between(carried, end.low, end.high);
-    if (!own || !ours) continue;
-    report.push_back(row(scope, end.metric, *own, "deg"));
-    report.push_back(row(scope, end.difference, std::abs(std::remainder(*ours - *own, 180.0)), "deg"));
+  for (const auto& [name, low, high] : {End{"endocardium", 0.05, 0.2}, End{"epicardium", 0.8, 0.95}}) {
+    const auto whole = helix_between(atlas, low, high), ours = helix_between(carried, low, high);
+    if (!whole || !ours) continue;
+    const auto add_difference = [&](const char* against, double own) {
+      report.push_back(row(scope, std::string("helix_") + name + "_off_atlas" + against,
+                           std::abs(std::remainder(*ours - own, 180.0)), "deg"));
+    };
+    report.push_back(row(scope, std::string("atlas_helix_") + name, *whole, "deg"));
+    add_difference("", *whole);
+    if (const auto own = helix_between(there, low, high)) add_difference("_at_same_places", *own);
   }
 }
 
@@ -281,8 +293,8 @@ Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figure
   add_jump_rows(myocardium, figures, report);
   for (const Region ventricle : {Region::lv_myocardium, Region::rv_myocardium})
     add_helix_rows(myocardium, ventricle, report);
-  add_atlas_rows("lv_myocardium", figures.atlas_lv, figures.carried_lv, report);
-  add_atlas_rows("rv_myocardium", figures.atlas_rv, figures.carried_rv, report);
+  add_atlas_rows("lv_myocardium", figures.atlas_lv, figures.there_lv, figures.carried_lv, report);
+  add_atlas_rows("rv_myocardium", figures.atlas_rv, figures.there_rv, figures.carried_rv, report);
   add_rule_rows(myocardium, report);
   return report;
 }

@@ -22,6 +22,11 @@ struct RegistrationFigures {
   std::optional<double> atlas_turn_p99_deg_per_mm{};  ///< of the atlas's own axes along the edges of its cells
   DepthSamples atlas_lv{}, atlas_rv{};                ///< helix angles of the atlas itself; empty where not known
   DepthSamples carried_lv{}, carried_rv{};            ///< measured in the same way where they were carried to
+  DepthSamples there_lv{}, there_rv{};                ///< the atlas's own at the places that these were carried from
+  /// 99th percentile of the angle between neighbouring axes over their distance in units of the wall's thickness, off
+  /// the junction of the ventricles; and per mm at the atlas's junction.
+  std::optional<double> atlas_turn_p99_deg_per_wall{}, carried_turn_p99_deg_per_wall{};
+  std::optional<double> atlas_junction_turn_p99_deg_per_mm{};
 };
 
 /// Helix angle against wall depth: the angle between the fibre's projection on the wall's tangent plane and the

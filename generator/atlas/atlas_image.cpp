@@ -306,18 +306,40 @@ double top_of(const Mask& cavity) {
   return cavity.grid.origin_mm.z + (static_cast<double>(top) + 0.5) * cavity.grid.spacing_mm.z;
 }
 
+/// Whether a straight way from a voxel meets the left cavity before it leaves the heart.
+bool leads_to_left_cavity(const Volume<std::uint8_t>& parts, Vec3 index, const Vec3& direction) {
+  constexpr double step = 0.7;  // voxels
+  while (direction != Vec3{}) {
+    index += step * direction;
+    const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
+    if (!parts.grid.contains(i, j, k) || is(parts(i, j, k), Part::outside)) return false;
+    if (is(parts(i, j, k), Part::lv_cavity)) return true;
+  }
+  return false;
+}
+
 /// A wall voxel is the right ventricle's where the left cavity is farther than the right one, the outside, and the
-/// left wall is thick; so the septum and the inside of the junction stay with the left ventricle.
+/// left wall is thick, and where the way on from the right cavity leads out of the heart; so the septum, also where it
+/// is thicker than the left free wall, and the inside of the junction stay with the left ventricle.
 void split_walls(Volume<std::uint8_t>& parts, double lv_thickness_mm) {
   const auto lv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::lv_cavity); }));
   const auto rv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::rv_cavity); }));
   const auto out = distance_to(mask_where(parts, [](auto v) { return is(v, Part::outside); }));
-  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
-    if (!is_wall(parts.voxels[v])) continue;
-    const float d = lv.voxels[v];
-    const bool right = d > rv.voxels[v] && d > out.voxels[v] && d > lv_thickness_mm;
-    parts.voxels[v] = tag(right ? Part::rv_wall : Part::lv_wall);
-  }
+  const auto even_rv = smoothed(rv, 1);
+  const auto& g = parts.grid;
+  const auto whole = parts;
+  parallel::parallel_for(0, g.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < g.size[1]; ++j)
+        for (std::int64_t i = 0; i < g.size[0]; ++i) {
+          if (!is_wall(parts(i, j, k))) continue;
+          const float d = lv(i, j, k);
+          const bool outer = d > rv(i, j, k) && d > out(i, j, k) && d > lv_thickness_mm;
+          const Vec3 at{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+          const bool right = outer && !leads_to_left_cavity(whole, at, normalized(gradient_at(even_rv, i, j, k)));
+          parts(i, j, k) = tag(right ? Part::rv_wall : Part::lv_wall);
+        }
+  });
 }
 
 /// Where the walls join, a mesh with one vector per node mixes their directions within its cells: about two edges far.

@@ -5,18 +5,34 @@
 
 #include "generator/fibers/hearts.hpp"
 #include "model/depth_samples.hpp"
+#include "model/tet_mesh.hpp"
 
 namespace heart::fibers {
 
 struct AtlasFigures {
-  Both<DepthSamples> atlas, carried;  ///< at most 20,000 places each, evenly chosen
-  double turn_p99_deg_per_mm = 0;     ///< angle between the axes at an edge's ends by its length, 99th percentile over
-                                      ///< the edges of the atlas's cells
+  /// At most 20,000 places each, of equal volumes. `there`: the atlas's sample nearest, by place and depth, to each of
+  /// `carried`. Two hearts are not cut and shaped alike, so that medians over all of the one and all of the other
+  /// differ even where every angle is carried exactly; those at corresponding places should not.
+  Both<DepthSamples> atlas, carried, there;
+  double turn_p99_deg_per_mm = 0;  ///< angle between the axes at an edge's ends by its length, 99th percentile over the
+                                   ///< edges of the atlas's cells
+  /// The same by the wall's thickness, off the junction: degrees over a length as long as the wall is thick. A thin
+  /// wall must turn its fibres faster than a thick one to reach the same angles. Of the atlas between neighbouring
+  /// voxels.
+  double atlas_turn_p99_deg_per_wall = 0, carried_turn_p99_deg_per_wall = 0;
+  double atlas_junction_turn_p99_deg_per_mm = 0;  ///< between neighbouring voxels of the two walls
 };
 
-/// `carried`: unit axes at the points of `walls`; only points at which `use` is not 0 and that one ventricle alone
+/// Per node of a mesh: axes carried from the atlas. Only nodes at which `use` is not 0 and that one ventricle alone
 /// decides are taken.
-AtlasFigures atlas_figures(const Hearts& hearts, const atlas::FiberAtlas& atlas, const PointWalls& walls,
-                           const std::vector<Vec3>& carried, const std::vector<std::uint8_t>& use);
+struct CarriedAxes {
+  const TetMesh& mesh;
+  const PointWalls& walls;
+  const std::vector<Vec3>& atlas_mm;  ///< positions in the atlas
+  const std::vector<Vec3>& fiber;     ///< unit
+  const std::vector<std::uint8_t>& use;
+};
+
+AtlasFigures atlas_figures(const Hearts& hearts, const atlas::FiberAtlas& atlas, const CarriedAxes& carried);
 
 }  // namespace heart::fibers

@@ -258,7 +258,7 @@ FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels,
   auto from_atlas = kinds.ventricle;
   for (std::size_t n = 0; n < count; ++n)
     from_atlas[n] &= result.source[n] == static_cast<std::uint8_t>(FiberSource::atlas);
-  result.figures = atlas_figures(hearts, atlas, walls, directions.fiber, from_atlas);
+  result.figures = atlas_figures(hearts, atlas, {mesh, walls, atlas_mm, directions.fiber, from_atlas});
   clock.done("inpainting, figures");
   const RuleField rule = ventricle_rule(mesh, hearts.patient.frame, settings.rule);
   set_by_rule(mesh, kinds, rule, hearts.patient.frame, settings.rule, directions, result);

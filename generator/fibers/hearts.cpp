@@ -37,7 +37,7 @@ Both<Vec3> angle_centers(const atlas::Ventricles& ventricles) {
 
 struct WallSamples {
   AngleSamples by_place, by_coordinates;
-  std::vector<double> depth;
+  std::vector<double> depth, thickness_mm;
 };
 
 WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& center_mm) {
@@ -54,6 +54,7 @@ WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& 
     const AxisTensor tensor =
         atlas::axis_tensor({dot(f, at->circumferential), dot(f, at->longitudinal), dot(f, at->normal)});
     samples.depth.push_back(at->depth);
+    samples.thickness_mm.push_back(at->thickness_mm);
     samples.by_place.feature.push_back(place_feature(position, at->depth));
     samples.by_place.tensor.push_back(tensor);
     samples.by_coordinates.feature.push_back(
@@ -141,6 +142,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
                     "a fibre atlas is a mesh of both ventricles with one vector per point or per cell");
   check_handedness(lv, atlas_name);
   hearts.atlas_depth = {std::move(lv.depth), std::move(rv.depth)};
+  hearts.atlas_thickness_mm = {std::move(lv.thickness_mm), std::move(rv.thickness_mm)};
   hearts.by_place = {std::move(lv.by_place), std::move(rv.by_place)};
   hearts.by_coordinates = {std::move(lv.by_coordinates), std::move(rv.by_coordinates)};
   hearts.patient = atlas::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm);

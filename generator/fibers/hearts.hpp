@@ -23,7 +23,7 @@ struct Hearts {
   atlas::AtlasImage atlas;
   atlas::Registration registration;
   Both<AngleSamples> by_place, by_coordinates;
-  Both<std::vector<double>> atlas_depth;  ///< per sample
+  Both<std::vector<double>> atlas_depth, atlas_thickness_mm;  ///< per sample: where in its wall, and how thick that is
   Both<atlas::WallCoordinates> patient_walls;
   Both<Vec3> patient_centers_mm;  ///< what angles go around: the long axis, the right cavity
 };

@@ -70,6 +70,8 @@ WallFeature place_feature(const Vec3& atlas_mm, double depth) {
           depth / depth_scale};
 }
 
+Vec3 place_of(const WallFeature& place) { return position_scale_mm * Vec3{place[0], place[1], place[2]}; }
+
 WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
                                double depth) {
   const double height = dot(point_mm - frame.base_point_mm, frame.long_axis) / frame.length_mm;
@@ -77,6 +79,17 @@ WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& cente
   const double x = dot(from_center, frame.rv_side), y = dot(from_center, cross(frame.long_axis, frame.rv_side));
   const double radius = std::max(std::sqrt(x * x + y * y), 1e-9);
   return {depth / depth_scale, height / height_scale, x / radius / angle_scale, y / radius / angle_scale};
+}
+
+std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features) {
+  const FeatureCloud cloud{samples.feature};
+  const Tree tree(4, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  std::vector<std::size_t> result(features.size());
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    double squared = 0;
+    tree.knnSearch(features[f].data(), 1, &result[f], &squared);
+  }
+  return result;
 }
 
 std::vector<AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries) {

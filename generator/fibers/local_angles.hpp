@@ -15,6 +15,7 @@ using WallFeature = std::array<double, 4>;
 
 /// By place: position in the atlas's frame (in units of 5 mm) and depth (0.04).
 WallFeature place_feature(const Vec3& atlas_mm, double depth);
+Vec3 place_of(const WallFeature& place);  ///< atlas_mm of a place_feature
 
 /// By coordinates: depth (0.04), height along the long axis as a share of the heart's length (0.05), and the angle
 /// around `center_mm` (0.15 rad); comparable between hearts without a registration.
@@ -32,6 +33,9 @@ struct AngleQuery {
   WallFeature feature;  ///< of the same kind as the samples'
   atlas::WallPoint at;  ///< its directions in the patient
 };
+
+/// The sample nearest to each feature. `samples` must not be empty.
+std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features);
 
 /// Dyad of a unit axis per query, in the patient's frame: linear regression of the samples' tensors on the 24 nearest
 /// features. `samples` must not be empty. The same bits for any number of threads.

@@ -194,11 +194,14 @@ TEST(CheckFibers, HelixNearTheSurfacesIsComparedWithTheAtlas) {
     figures.atlas_lv.helix_deg.push_back(70 - 140 * depth);
     figures.carried_lv.depth.push_back(depth);
     figures.carried_lv.helix_deg.push_back(66 - 140 * depth);
+    figures.there_lv.depth.push_back(depth);
+    figures.there_lv.helix_deg.push_back(65 - 140 * depth);
   }
   const auto report = check_fibers(pipe(), figures, {});
   EXPECT_NEAR(find(report, "lv_myocardium", "atlas_helix_endocardium").value, 70 - 140 * 0.125, 1);
   EXPECT_NEAR(find(report, "lv_myocardium", "helix_endocardium_off_atlas").value, 4, 0.1);
   EXPECT_NEAR(find(report, "lv_myocardium", "helix_epicardium_off_atlas").value, 4, 0.1);
+  EXPECT_NEAR(find(report, "lv_myocardium", "helix_epicardium_off_atlas_at_same_places").value, 1, 0.1);
   const auto profile = helix_profile(figures.atlas_lv);
   ASSERT_EQ(profile.depth.size(), 10U);
   EXPECT_NEAR(profile.median_deg.front(), 70 - 140 * 0.05, 1);

@@ -1,8 +1,8 @@
 #include "generator/fibers/inpaint.hpp"
 
 #include <algorithm>
-#include <cmath>
 
+#include "generator/fibers/inpaint_kernels.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::fibers {
@@ -10,27 +10,12 @@ namespace {
 
 using atlas::AxisTensor;
 
-/// Half of the squared Frobenius norm counts off-diagonal components twice, as the matrices do.
-double squared_difference(const AxisTensor& a, const AxisTensor& b) {
-  double sum = 0;
-  for (std::size_t c = 0; c < 6; ++c) {
-    const double d = a.c[c] - b.c[c];
-    sum += (c < 3 ? 1 : 2) * d * d;
-  }
-  return sum;
-}
-
-AxisTensor mean_of_known(const NeighborGraph& graph, const std::vector<AxisTensor>& axes,
-                         const std::vector<std::uint8_t>& known, std::size_t e) {
-  AxisTensor sum;
-  double total = 0;
-  for (auto n = graph.start[e]; n < graph.start[e + 1]; ++n) {
-    const auto other = static_cast<std::size_t>(graph.neighbor[static_cast<std::size_t>(n)]);
-    if (!known[other]) continue;
-    sum += axes[other];
-    ++total;
-  }
-  return total > 0 ? (1 / total) * sum : sum;
+/// The neighbours of an element, for the kernels.
+auto around(const NeighborGraph& graph, std::size_t e) {
+  return [&graph, e](auto&& visit) {
+    for (auto n = static_cast<std::size_t>(graph.start[e]); n < static_cast<std::size_t>(graph.start[e + 1]); ++n)
+      visit(static_cast<std::size_t>(graph.neighbor[n]), double{graph.distance_mm[n]});
+  };
 }
 
 /// Start values, layer by layer from the known elements. Returns the filled elements, ascending.
@@ -44,7 +29,7 @@ std::vector<std::size_t> fill_in_layers(const NeighborGraph& graph, std::vector<
   for (;;) {
     layer.clear();
     for (const auto e : open) {
-      axes[e] = mean_of_known(graph, axes, known, e);
+      axes[e] = inpainting::mean_of_known(around(graph, e), axes, [&](std::size_t other) { return known[other] != 0; });
       if (trace(axes[e]) > 0) layer.push_back(e);
     }
     if (layer.empty()) break;
@@ -54,35 +39,6 @@ std::vector<std::size_t> fill_in_layers(const NeighborGraph& graph, std::vector<
   }
   std::sort(filled.begin(), filled.end());
   return filled;
-}
-
-/// 1 / |grad u| at an element, from the differences to its neighbours.
-double inverse_slope(const NeighborGraph& graph, const std::vector<AxisTensor>& axes,
-                     const std::vector<std::uint8_t>& unknown, std::size_t e) {
-  constexpr double least_slope_per_mm = 1e-3;
-  double sum = least_slope_per_mm * least_slope_per_mm;
-  for (auto n = graph.start[e]; n < graph.start[e + 1]; ++n) {
-    const auto other = static_cast<std::size_t>(graph.neighbor[static_cast<std::size_t>(n)]);
-    if (unknown[other]) continue;
-    const double h = graph.distance_mm[static_cast<std::size_t>(n)];
-    sum += squared_difference(axes[e], axes[other]) / (2 * h * h);
-  }
-  return 1 / std::sqrt(sum);
-}
-
-AxisTensor relaxed(const NeighborGraph& graph, const std::vector<AxisTensor>& axes, const std::vector<double>& slope,
-                   const std::vector<std::uint8_t>& unknown, std::size_t e) {
-  AxisTensor sum;
-  double total = 0;
-  for (auto n = graph.start[e]; n < graph.start[e + 1]; ++n) {
-    const auto other = static_cast<std::size_t>(graph.neighbor[static_cast<std::size_t>(n)]);
-    if (unknown[other]) continue;
-    const double h = graph.distance_mm[static_cast<std::size_t>(n)];
-    const double weight = (slope[e] + slope[other]) / (h * h);
-    sum += weight * axes[other];
-    total += weight;
-  }
-  return total > 0 ? (1 / total) * sum : axes[e];
 }
 
 }  // namespace
@@ -120,16 +76,19 @@ std::int64_t inpaint_axes(const NeighborGraph& graph, int iterations, std::vecto
       active.push_back(static_cast<std::size_t>(graph.neighbor[static_cast<std::size_t>(n)]));
   std::sort(active.begin(), active.end());
   active.erase(std::unique(active.begin(), active.end()), active.end());
+  const auto is_known = [&](std::size_t e) { return !unknown[e]; };
   std::vector<double> slope(axes.size());
   std::vector<AxisTensor> next(filled.size());
   for (int sweep = 0; sweep < iterations; ++sweep) {
     parallel::parallel_for(0, static_cast<std::int64_t>(active.size()), [&](std::int64_t begin, std::int64_t end) {
       for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
-        slope[active[n]] = unknown[active[n]] ? 0 : inverse_slope(graph, axes, unknown, active[n]);
+        if (const auto e = active[n]; is_known(e))
+          slope[e] = inpainting::inverse_slope(around(graph, e), axes, is_known, axes[e]);
     });
     parallel::parallel_for(0, static_cast<std::int64_t>(filled.size()), [&](std::int64_t begin, std::int64_t end) {
       for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
-        next[n] = relaxed(graph, axes, slope, unknown, filled[n]);
+        next[n] =
+            inpainting::relaxed(around(graph, filled[n]), axes, slope, is_known, axes[filled[n]], slope[filled[n]]);
     });
     for (std::size_t n = 0; n < filled.size(); ++n) axes[filled[n]] = next[n];
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "generator/fibers/inpaint_grid.hpp"
 #include "generator/parallel/threads.hpp"
 #include "support/model_heart.hpp"
 
@@ -69,6 +70,72 @@ TEST(InpaintMesh, SameBitsForAnyNumberOfThreads) {
   fill(many, 50);
   parallel::set_thread_count(before);
   for (std::size_t n = 0; n < one.axes.size(); ++n) ASSERT_EQ(one.axes[n].c, many.axes[n].c);
+}
+
+/// A tilted field in a ball, unknown in a shell through it; the ball touches the image's border.
+struct VoxelGap {
+  Volume<Vec3> fiber;
+  Mask wall;
+};
+
+VoxelGap ball_with_gap() {
+  Grid grid;
+  grid.size = {15, 13, 11};
+  grid.spacing_mm = {0.75, 1, 1.5};
+  VoxelGap gap{Volume<Vec3>(grid), Mask(grid)};
+  for (std::int64_t k = 0; k < 11; ++k)
+    for (std::int64_t j = 0; j < 13; ++j)
+      for (std::int64_t i = 0; i < 15; ++i) {
+        const Vec3 p = lps_from_index(grid, {double(i), double(j), double(k)}) - Vec3{5, 6, 6};
+        gap.wall(i, j, k) = norm(p) < 6.5;
+        const bool known = norm(p) < 2 || norm(p) > 5;
+        if (gap.wall(i, j, k) && known) gap.fiber(i, j, k) = normalized({1, 0.3 * p.x, 0.2 * p.z});
+      }
+  return gap;
+}
+
+/// The faces between the wall's voxels.
+NeighborGraph face_graph(const Mask& wall) {
+  NeighborGraph graph;
+  graph.start = {0};
+  const Grid& g = wall.grid;
+  constexpr Index3 steps[] = {{0, 0, -1}, {0, -1, 0}, {-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (std::int64_t k = 0; k < g.size[2]; ++k)
+    for (std::int64_t j = 0; j < g.size[1]; ++j)
+      for (std::int64_t i = 0; i < g.size[0]; ++i) {
+        for (const auto& [a, b, c] : steps)
+          if (wall(i, j, k) && g.contains(i + a, j + b, k + c) && wall(i + a, j + b, k + c)) {
+            graph.neighbor.push_back(static_cast<std::int32_t>(g.offset(i + a, j + b, k + c)));
+            graph.distance_mm.push_back(static_cast<float>(a ? g.spacing_mm.x : b ? g.spacing_mm.y : g.spacing_mm.z));
+          }
+        graph.start.push_back(static_cast<std::int64_t>(graph.neighbor.size()));
+      }
+  return graph;
+}
+
+TEST(InpaintGrid, EqualsTheGraphOfItsFacesBitForBit) {
+  const VoxelGap gap = ball_with_gap();
+  std::vector<AxisTensor> axes;
+  std::vector<std::uint8_t> missing;
+  for (std::size_t v = 0; v < gap.wall.voxels.size(); ++v) {
+    const bool known = norm(gap.fiber.voxels[v]) > 0.5;
+    axes.push_back(known ? atlas::axis_tensor(normalized(gap.fiber.voxels[v])) : AxisTensor{});
+    missing.push_back(gap.wall.voxels[v] && !known);
+  }
+  const auto holes = std::count(missing.begin(), missing.end(), 1);
+  ASSERT_GT(holes, 100);
+  EXPECT_EQ(inpaint_axes(face_graph(gap.wall), 40, axes, missing), holes);
+  const auto filled = inpaint_axes(gap.fiber, gap.wall, 40, parallel::self());
+  for (std::size_t v = 0; v < axes.size(); ++v) {
+    const Vec3 before = gap.fiber.voxels[v];
+    ASSERT_EQ(filled.voxels[v], norm(before) > 0.5 ? before : atlas::leading_axis(axes[v])) << v;
+  }
+}
+
+TEST(InpaintGrid, WhatNothingReachesStaysWithoutAnAxis) {
+  VoxelGap gap = ball_with_gap();
+  gap.wall(0, 0, 0) = 1;  // alone
+  EXPECT_EQ(inpaint_axes(gap.fiber, gap.wall, 5, parallel::self())(0, 0, 0), Vec3{});
 }
 
 }  // namespace

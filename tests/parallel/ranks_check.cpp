@@ -8,6 +8,7 @@
 
 #include "generator/contours/active_contours.hpp"
 #include "generator/contours/subjective_surface.hpp"
+#include "generator/fibers/inpaint_grid.hpp"
 #include "generator/parallel/comm.hpp"
 #include "generator/segment/chan_vese.hpp"
 #include "generator/segment/chan_vese_flow.hpp"
@@ -227,6 +228,23 @@ TEST(Ranks, ContoursHaveTheSameBits) {
   }
   EXPECT_THROW(contours::evolve_contour(on_root(image_of(sizes[0])), {}, {}, {}, world()), UserError);
   EXPECT_THROW(contours::subjective_surface(on_root(image_of(sizes[0])), {}, {}, {}, world()), UserError);
+}
+
+TEST(Ranks, InpaintedAxesHaveTheSameBits) {
+  for (const auto size : sizes) {
+    const auto wall = volume_of<std::uint8_t>(grid_of(size, {0.75, 0.75, 1.25}), [](double x, double y, double z) {
+      return length(x, y, z) > 1.5 && length(x, y, z) < 5 && x + y < 4 ? 1 : 0;
+    });
+    Volume<Vec3> fiber(wall.grid);
+    for (std::size_t v = 0; v < fiber.voxels.size(); ++v) {
+      const double turn = 0.37 * static_cast<double>(v % 29);
+      if (v % 7 < 2) fiber.voxels[v] = {std::cos(turn), std::sin(turn), 0};
+    }
+    const auto serial = fibers::inpaint_axes(fiber, wall, 25, self());
+    const auto distributed = fibers::inpaint_axes(on_root(fiber), on_root(wall), 25, world());
+    EXPECT_EQ(distributed.voxels, on_root(serial).voxels);
+    EXPECT_NE(serial.voxels, fiber.voxels);
+  }
 }
 
 }  // namespace

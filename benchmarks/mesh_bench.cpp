@@ -2,13 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <utility>
 
 #include "benchmarks/benchmarks.hpp"
+#include "benchmarks/cgal_rows.hpp"
+#include "benchmarks/complex_measures.hpp"
 #include "benchmarks/mesh_domains.hpp"
 #include "benchmarks/mesh_measures.hpp"
 #include "generator/adapters/cgal_mesher.hpp"
@@ -16,6 +17,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/repair.hpp"
 #include "generator/lattice/stuff.hpp"
+#include "generator/mesh/lattice_cells.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::benchmarks {
@@ -24,23 +26,8 @@ namespace {
 using lattice::Complex;
 using lattice::Materials;
 
-Angles angles_of_complex(const Complex& c) {
-  return angles_of(c.nodes_mm, c.cells, [&](std::size_t i) { return c.cells[i][0] >= 0; });
-}
-
-double volume_of(const Complex& c, int label) {
-  double sum = 0;
-  for (std::size_t i = 0; i < c.cells.size(); ++i) {
-    const auto& cell = c.cells[i];
-    if (cell[0] >= 0 && c.label[i] == label)
-      sum +=
-          dot(c.at(cell[1]) - c.at(cell[0]), cross(c.at(cell[2]) - c.at(cell[0]), c.at(cell[3]) - c.at(cell[0]))) / 6;
-  }
-  return sum;
-}
-
 // Of the domain of one material, on a fine grid whose cells are filled in part at the surface.
-double volume_of(const AnalyticDomain& domain) {
+double exact_volume_of(const AnalyticDomain& domain) {
   constexpr double step = 0.25;
   const Vec3 box = domain.box_max_mm - domain.box_min_mm;
   const auto count = [&](int axis) { return static_cast<std::int64_t>(std::llround(box[axis] / step)); };
@@ -59,25 +46,8 @@ double volume_of(const AnalyticDomain& domain) {
   return sum * step * step * step;
 }
 
-// Of the outer faces' centres to the surface of one material, to first order, in shares of the face's mean edge.
-Distances distances_of(const Complex& c, const Materials& materials) {
-  std::vector<double> found;
-  for (std::size_t t = 0; t < c.cells.size(); ++t) {
-    const auto& cell = c.cells[t];
-    for (std::size_t i = 0; i < 4 && cell[0] >= 0; ++i) {
-      const std::array n{cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4]};
-      const lattice::LabelBits bits = c.bits(n[0]) & c.bits(n[1]) & c.bits(n[2]);
-      if (std::popcount(bits) < 2 || (bits & lattice::side_bits) != 0) continue;
-      if (lattice::cells_at_face(c, n[0], n[1], n[2])[1] >= 0) continue;
-      const Vec3 a = c.at(n[0]), b = c.at(n[1]), d = c.at(n[2]);
-      const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-      found.push_back(lattice::distance_to(lattice::feature_at(materials, 3, (a + b + d) / 3)) / edge);
-    }
-  }
-  return summary_of(std::move(found));
-}
-
-/// Stuffed, repaired and balanced; where a cell stays too bad, once more with shorter snaps, then with finer edges.
+/// Stuffed, settled, repaired and balanced; where a cell stays too bad, once more with shorter snaps, then with finer
+/// edges.
 struct Meshed {
   Complex complex;
   int tries = 0;
@@ -87,6 +57,9 @@ struct Meshed {
 Meshed mesh_of(AnalyticDomain domain, double least_deg, double greatest_deg, const lattice::RepairSettings& repairing) {
   constexpr std::array reaches{0.5, 0.42};
   constexpr int refinements = 2;
+  constexpr std::int64_t crumb_cells = 30;
+  mesh::LabelSet inside{};
+  for (std::size_t label = 1; label <= domain.fields.size(); ++label) inside[label] = true;
   Meshed meshed;
   for (int finer = 0; finer <= refinements; ++finer, domain.edge_mm *= 0.8)
     for (const double reach : reaches) {
@@ -94,14 +67,13 @@ Meshed mesh_of(AnalyticDomain domain, double least_deg, double greatest_deg, con
       stuffing.edge_reach = reach;
       const auto materials = materials_of(domain);
       auto& c = meshed.complex = lattice::stuff(materials, stuffing);
-      lattice::derive_touches(c);
-      lattice::compress(c);
+      mesh::settle(c, std::span(&inside, 1), crumb_cells);
       lattice::repair(c, materials, repairing);
       lattice::balance_surfaces(c, materials, repairing.least);
       lattice::compress(c);
       ++meshed.tries;
       meshed.edge_mm = domain.edge_mm;
-      const auto angles = angles_of_complex(c);
+      const auto angles = angles_of(c);
       if (angles.least >= least_deg && angles.greatest <= greatest_deg) return meshed;
     }
   return meshed;
@@ -114,36 +86,6 @@ lattice::RepairSettings thorough() {
   return settings;
 }
 
-// Edges with other than two outer faces, and faces with more than two cells.
-std::int64_t defects_of(const Complex& c) {
-  std::vector<Face> faces;
-  for (const auto& cell : c.cells)
-    for (std::size_t i = 0; i < 4 && cell[0] >= 0; ++i) {
-      faces.push_back({cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4]});
-      std::sort(faces.back().begin(), faces.back().end());
-    }
-  std::sort(faces.begin(), faces.end());
-  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
-  std::int64_t defects = 0;
-  for (std::size_t f = 0; f < faces.size();) {
-    std::size_t next = f + 1;
-    while (next < faces.size() && faces[next] == faces[f]) ++next;
-    defects += next - f > 2;
-    if (next == f + 1)
-      for (const auto& [a, b] : {std::pair{0, 1}, {0, 2}, {1, 2}})
-        edges.emplace_back(faces[f][static_cast<std::size_t>(a)], faces[f][static_cast<std::size_t>(b)]);
-    f = next;
-  }
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t e = 0; e < edges.size();) {
-    std::size_t next = e + 1;
-    while (next < edges.size() && edges[next] == edges[e]) ++next;
-    defects += next - e != 2;
-    e = next;
-  }
-  return defects;
-}
-
 double add_ventricles(Table& table) {
   const auto domain = ventricles(0.962);  // 1.25 M cells
   const auto materials = materials_of(domain);
@@ -152,10 +94,10 @@ double add_ventricles(Table& table) {
   const double time = seconds([&] { meshed = mesh_of(domain, 0, 180, thorough()); });
   const double used = processor_seconds() - processor;
   const auto& c = meshed.complex;
-  const auto angles = angles_of_complex(c);
+  const auto angles = angles_of(c);
   const auto distances = distances_of(c, materials);
   const auto cells = static_cast<double>(c.cells.size());
-  const double exact = volume_of(domain);
+  const double exact = exact_volume_of(domain);
   const auto add = [&](const char* what, double value, const char* unit, const std::string& note) {
     table.push_back({"mesh-ventricles", fmt::format("one material: {}", what), value, unit, note});
   };
@@ -182,19 +124,7 @@ void add_cgal(Table& table, double our_cells_per_second) {
   const auto seeds = mesh_of(ventricles(6), 0, 180, {}).complex;
   for (std::size_t n = 0; n < seeds.nodes_mm.size(); ++n)
     if (lattice::is_constrained(seeds.touches[n])) implicit.surface_points_mm.push_back(seeds.nodes_mm[n]);
-  adapters::DelaunaySettings settings;
-  settings.optimise_seconds = 60;  // perturbation and exudation each: ends before, or is cut off here
-  adapters::LabelledCells cells;
-  const double time = seconds([&] { cells = adapters::mesh_implicit(implicit, settings); });
-  const auto angles = angles_of(cells.nodes_mm, cells.cells, [&](std::size_t i) { return cells.label[i] != 0; });
-  const auto count = static_cast<double>(std::count(cells.label.begin(), cells.label.end(), 1));
-  const auto add = [&](const char* what, double value, const char* unit, const std::string& note) {
-    table.push_back({"mesh-ventricles", fmt::format("CGAL Mesh_3, perturb and exude: {}", what), value, unit, note});
-  };
-  add("speed", count / time / 1e3, "k cells/s", fmt::format("{:.0f} k cells; its base is not kept flat", count / 1e3));
-  add("least dihedral angle", angles.least, "degrees", "");
-  add("greatest dihedral angle", angles.greatest, "degrees", "");
-  add("our cells per second over its", our_cells_per_second / (count / time), "times", "");
+  add_cgal_rows(table, "mesh-ventricles", implicit, "its base is not kept flat", our_cells_per_second);
 }
 
 void add_random_walls(Table& table) {
@@ -204,7 +134,7 @@ void add_random_walls(Table& table) {
   Angles worst;
   for (std::uint32_t seed = 1; seed <= domains; ++seed) {
     const auto meshed = mesh_of(random_walls(seed), least_deg, greatest_deg, {});
-    const auto angles = angles_of_complex(meshed.complex);
+    const auto angles = angles_of(meshed.complex);
     good += angles.least >= least_deg && angles.greatest <= greatest_deg;
     again += meshed.tries > 1;
     broken += !(angles.least_volume_mm3 > 0) || defects_of(meshed.complex) > 0;

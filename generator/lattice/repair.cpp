@@ -6,6 +6,7 @@
 #include "generator/lattice/contract.hpp"
 #include "generator/lattice/exchange.hpp"
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/noise.hpp"
 #include "generator/lattice/smooth.hpp"
 
 namespace heart::lattice {
@@ -80,15 +81,6 @@ struct Sweep {
       for (const auto n : nodes) smooth_node(*complex, *materials, n, far_goal, tolerance);
       for (const auto n : cell) smooth_node(*complex, *materials, n, far_goal, tolerance);
     }
-  }
-};
-
-/// Numbers in [-1, 1), the same everywhere.
-struct Noise {
-  std::uint32_t state = 1;
-  double next() {
-    state = state * 1664525U + 1013904223U;
-    return static_cast<double>(state >> 8) / 8388608.0 - 1.0;
   }
 };
 

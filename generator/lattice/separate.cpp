@@ -27,6 +27,29 @@ std::vector<Face> outer_faces(const Complex& c) {
   return faces;
 }
 
+// Whether some material lies less than an edge in front of the face: only there another sheet can come near.
+bool is_before_material(const Complex& c, const Materials& materials, const Face& face) {
+  const Vec3 a = c.at(face[0]), b = c.at(face[1]), d = c.at(face[2]);
+  const Vec3 center = (a + b + d) / 3, normal = normalized(cross(b - a, d - a));
+  const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
+  constexpr std::array ways{0.2, 0.4, 0.6, 0.8};
+  return std::any_of(ways.begin(), ways.end(),
+                     [&](double way) { return materials.label_at(center + way * edge * normal) != 0; });
+}
+
+std::vector<Face> narrow_faces(const Complex& c, const Materials& materials) {
+  const auto faces = outer_faces(c);
+  std::vector<std::uint8_t> is_narrow(faces.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
+      is_narrow[f] = is_before_material(c, materials, faces[f]);
+  });
+  std::vector<Face> narrow;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if (is_narrow[f] != 0) narrow.push_back(faces[f]);
+  return narrow;
+}
+
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(b - a, cross(c - a, d - a)); }
 
 bool goes_through(const Vec3& from, const Vec3& to, const Triangle& t) {
@@ -109,9 +132,9 @@ void draw_back(Complex& c, std::int32_t node, const Vec3& way_out, double least_
 
 }  // namespace
 
-std::int64_t separate_sheets(Complex& complex, double least_quality) {
+std::int64_t separate_sheets(Complex& complex, const Materials& materials, double least_quality) {
   constexpr int most_rounds = 8;
-  const auto faces = outer_faces(complex);
+  const auto faces = narrow_faces(complex, materials);
   for (int round = 0;; ++round) {
     const auto pairs = meeting_faces(complex, faces);
     if (pairs.empty() || round == most_rounds) return static_cast<std::int64_t>(pairs.size());

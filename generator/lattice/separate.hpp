@@ -4,12 +4,13 @@
 #include <cstdint>
 
 #include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
 
 namespace heart::lattice {
 
-/// Draws outer faces that meet others without sharing what they meet in back into the mesh, where no cell falls below
-/// `least_quality` or, if it is below already, gets worse. Returns how many pairs of faces still meet. The same result
-/// for any number of threads.
-std::int64_t separate_sheets(Complex& complex, double least_quality);
+/// Looks at the outer faces before which the outside is narrower than an edge. Draws outer faces that meet others
+/// without sharing what they meet in back into the mesh, where no cell falls below `least_quality` or, if it is below
+/// already, gets worse. Returns how many pairs of faces still meet. The same result for any number of threads.
+std::int64_t separate_sheets(Complex& complex, const Materials& materials, double least_quality);
 
 }  // namespace heart::lattice

@@ -8,6 +8,7 @@
 
 #include "generator/lattice/background.hpp"
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/quality.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::lattice {
@@ -257,30 +258,155 @@ void divide_edge(Complex& c, const Edge& edge, std::int32_t middle) {
   }
 }
 
-// Divides edges where they cross. A crossing very near to a node makes the node touch both sides where it is.
-void cut_edges(const Materials& materials, Complex& c) {
-  constexpr double near = 0.08;
-  constexpr int most_rounds = 6;
-  for (int round = 0; round < most_rounds; ++round) {
-    const auto edges = crossing_edges(c);
-    if (edges.empty()) break;
-    const auto crossings = find_crossings(materials, c, edges);
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-      const auto [a, b] = edges[e];
-      if (!crosses(c, a, b)) continue;
-      const auto& crossing = crossings[e];
-      const double share = crossing.share;
-      if (share < near || share > 1 - near || round + 1 == most_rounds) {
-        const auto nearer = share < 0.5 ? a : b;
-        c.touches[static_cast<std::size_t>(nearer)] |= crossing.labels | labels_of(c, share < 0.5 ? b : a);
-        continue;
-      }
-      const LabelBits sides = c.bits(a) & c.bits(b) & side_bits;
-      const Vec3 point = c.at(a) + share * (c.at(b) - c.at(a));
-      const float spacing =
-          std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]);
-      divide_edge(c, edges[e], add_node(c, point, sides | crossing.labels, spacing));
+/// An edge to divide, and where.
+struct Cut {
+  Edge edge;
+  Crossing crossing;
+};
+
+std::vector<Cut> open_cuts(const Materials& materials, const Complex& c) {
+  const auto edges = crossing_edges(c);
+  const auto crossings = find_crossings(materials, c, edges);
+  std::vector<Cut> cuts;
+  cuts.reserve(edges.size());
+  for (std::size_t e = 0; e < edges.size(); ++e) cuts.push_back({edges[e], crossings[e]});
+  return cuts;
+}
+
+// Edges from a node on a surface to one that has no label but one of its own, in the star of the first.
+void collect_edges_off_surface(const Complex& c, std::int32_t node, std::vector<Edge>& edges) {
+  edges.clear();
+  if (std::popcount(labels_of(c, node)) < 2) return;
+  for (const auto t : c.star(node))
+    for (const auto other : c.cell(t))
+      if (std::popcount(labels_of(c, other)) == 1 && !crosses(c, node, other)) edges.emplace_back(node, other);
+  sort_unique(edges);
+}
+
+// Edges between nodes of the same label in the cells around a node on a surface; others may see them again.
+void collect_edges_beside_surface(const Complex& c, std::int32_t node, std::vector<Edge>& edges) {
+  edges.clear();
+  if (std::popcount(labels_of(c, node)) < 2) return;
+  for (const auto t : c.star(node)) {
+    const Cell& cell = c.cell(t);
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j)
+        if (std::popcount(labels_of(c, cell[i])) == 1 && labels_of(c, cell[i]) == labels_of(c, cell[j]))
+          edges.push_back(std::minmax(cell[i], cell[j]));
+  }
+  sort_unique(edges);
+}
+
+// Where an edge whose ends have a label in common leaves a sheet of another material that it goes through; no labels
+// where there is none. No label tells such an edge from others.
+Crossing find_hidden_crossing(const Materials& materials, const Complex& c, const Edge& edge) {
+  constexpr std::array sampled{0.5, 0.25};  // of the edge
+  constexpr double least_depth = 0.1;       // of the lattice's width: the surface may be a little curved
+  const Vec3 start = c.at(edge.first), way = c.at(edge.second) - start;
+  const LabelBits own = labels_of(c, edge.second);
+  const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(edge.first)]);
+  for (const double share : sampled) {
+    const Vec3 sample = start + share * way;
+    const LabelBits between = bit_of(materials.label_at(sample));
+    if (between == own || distance_to(feature_at(materials, between | own, sample)) < least_depth * spacing) continue;
+    double low = share, high = 1;
+    LabelBits after = own;
+    for (int i = 0; i < halvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      const LabelBits label = bit_of(materials.label_at(start + middle * way));
+      (label == between ? low : high) = middle;
+      if (label != between) after = label;
     }
+    return {0.5 * (low + high), between | after};
+  }
+  return {};
+}
+
+// Of the edges that `collect` finds at the nodes from `first_node` on.
+std::vector<Cut> hidden_cuts(const Materials& materials, const Complex& c, std::size_t first_node,
+                             void (*collect)(const Complex&, std::int32_t, std::vector<Edge>&)) {
+  std::vector<std::vector<Cut>> of_piece(static_cast<std::size_t>(parallel::thread_count()));
+  const auto find = [&](std::int64_t begin, std::int64_t end, int piece) {
+    std::vector<Edge> edges;
+    for (auto node = begin; node < end; ++node) {
+      collect(c, static_cast<std::int32_t>(node), edges);
+      for (const auto& edge : edges) {
+        const auto crossing = find_hidden_crossing(materials, c, edge);
+        if (crossing.labels != 0) of_piece[static_cast<std::size_t>(piece)].push_back({edge, crossing});
+      }
+    }
+  };
+  parallel::parallel_for(static_cast<std::int64_t>(first_node), static_cast<std::int64_t>(c.nodes_mm.size()), find);
+  std::vector<Cut> cuts;
+  for (const auto& piece : of_piece) cuts.insert(cuts.end(), piece.begin(), piece.end());
+  std::sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.edge < b.edge; });
+  cuts.erase(std::unique(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.edge == b.edge; }),
+             cuts.end());
+  return cuts;
+}
+
+// Divides an edge. At a crossing very near to a node, or on an edge that is `never_divided`, the node touches both
+// sides where it is.
+void cut_edge(Complex& c, const Cut& cut, bool never_divided) {
+  constexpr double near = 0.08;
+  const auto [a, b] = cut.edge;
+  const double share = cut.crossing.share;
+  if (share < near || share > 1 - near || never_divided) {
+    const auto nearer = share < 0.5 ? a : b;
+    c.touches[static_cast<std::size_t>(nearer)] |= cut.crossing.labels | labels_of(c, share < 0.5 ? b : a);
+    return;
+  }
+  const LabelBits sides = c.bits(a) & c.bits(b) & side_bits;
+  const Vec3 point = c.at(a) + share * (c.at(b) - c.at(a));
+  const float spacing = std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]);
+  divide_edge(c, cut.edge, add_node(c, point, sides | cut.crossing.labels, spacing));
+}
+
+// Whether the two parts of every cell around an edge that is divided at `point` are good enough.
+bool may_divide(const Complex& c, const Edge& edge, const Vec3& point, double least) {
+  for (const auto t : c.star(edge.first)) {
+    const Cell& cell = c.cell(t);
+    if (!has(cell, edge.second)) continue;
+    for (const auto replaced : {edge.first, edge.second}) {
+      const auto at = [&](std::size_t i) { return cell[i] == replaced ? point : c.at(cell[i]); };
+      if (cell_quality(at(0), at(1), at(2), at(3)) < least) return false;
+    }
+  }
+  return true;
+}
+
+// A sheet that an edge goes through unseen is no reason for cells that nothing can repair.
+void cut_hidden_edge(Complex& c, const Cut& cut) {
+  constexpr double least = 0.02;
+  const auto [a, b] = cut.edge;
+  if (std::popcount(labels_of(c, b)) != 1 || (labels_of(c, b) & cut.crossing.labels) == 0) return;
+  if (may_divide(c, cut.edge, c.at(a) + cut.crossing.share * (c.at(b) - c.at(a)), least)) cut_edge(c, cut, false);
+}
+
+// Divides edges where they cross.
+void cut_edges(const Materials& materials, Complex& c) {
+  constexpr int most_rounds = 6;
+  const auto cut_open = [&] {
+    for (int round = 0; round < most_rounds; ++round) {
+      const auto cuts = open_cuts(materials, c);
+      if (cuts.empty()) return;
+      for (const auto& cut : cuts)
+        if (crosses(c, cut.edge.first, cut.edge.second)) cut_edge(c, cut, round + 1 == most_rounds);
+    }
+  };
+  cut_open();
+  const auto cut_hidden = [&](std::size_t first_node, auto* collect) {
+    const auto cuts = hidden_cuts(materials, c, first_node, collect);
+    for (const auto& cut : cuts) cut_hidden_edge(c, cut);
+    cut_open();
+  };
+  cut_hidden(0, collect_edges_beside_surface);
+  std::size_t first_node = 0;
+  for (int round = 0; round < most_rounds; ++round) {  // after the first one, what is left of edges that were cut
+    const auto next = c.nodes_mm.size();
+    cut_hidden(first_node, collect_edges_off_surface);
+    if (c.nodes_mm.size() == next) break;
+    first_node = next;
   }
 }
 

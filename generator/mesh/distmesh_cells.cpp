@@ -10,19 +10,6 @@
 #include "generator/lattice/stuff.hpp"
 
 namespace heart::mesh {
-namespace {
-
-/// Gives cells their final labels and drops those outside.
-void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
-  std::vector<std::int32_t> label(complex.label.begin(), complex.label.end());
-  settle_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
-  for (std::size_t c = 0; c < label.size(); ++c) complex.label[c] = static_cast<std::uint8_t>(label[c]);
-  lattice::derive_touches(complex);
-  lattice::compress(complex);
-}
-
-}  // namespace
-
 adapters::LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
                                        std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
                                        LatticeReport* report) {
@@ -47,7 +34,7 @@ adapters::LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<fl
   const auto below = lattice::repair(complex, materials, settings);
   note("repair");
   lattice::balance_surfaces(complex, materials, settings.least);
-  lattice::separate_sheets(complex, settings.least);
+  lattice::separate_sheets(complex, materials, settings.least);
   lattice::compress(complex);
   note("balance");
   if (report != nullptr) report->cells_below_goal = below;

@@ -7,6 +7,7 @@
 
 #include "generator/lattice/balance.hpp"
 #include "generator/lattice/repair.hpp"
+#include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
 #include "generator/lattice/stuff.hpp"
 #include "generator/mesh/size_field.hpp"
@@ -45,13 +46,15 @@ lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& s
   return materials;
 }
 
-namespace {
-
 void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
   std::vector<std::int32_t> label(complex.label.begin(), complex.label.end());
   settle_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
   for (std::size_t c = 0; c < label.size(); ++c) complex.label[c] = static_cast<std::uint8_t>(label[c]);
+  lattice::derive_touches(complex);
+  lattice::compress(complex);
 }
+
+namespace {
 
 /// Adds the wall time of each step to a report.
 struct Stopwatch {
@@ -77,20 +80,20 @@ bool is_better(const Attempt& a, const Attempt& b) {
 }
 
 Attempt attempt(const lattice::Materials& materials, double reach, std::span<const LabelSet> manifold_sets,
-                std::int64_t crumb_cells, Stopwatch& watch) {
+                std::int64_t crumb_cells, const LatticeAims& aims, Stopwatch& watch) {
   lattice::StuffSettings stuffing;
   stuffing.edge_reach = reach;
   Attempt made{lattice::stuff(materials, stuffing)};
   watch.note("stuff");
   settle(made.complex, manifold_sets, crumb_cells);
   watch.note("settle");
-  lattice::derive_touches(made.complex);
-  lattice::compress(made.complex);
-  const lattice::RepairSettings repairing;
+  lattice::RepairSettings repairing;
+  repairing.least = aims.least;
   made.below_goal = lattice::repair(made.complex, materials, repairing);
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, repairing.least);
-  made.meeting = lattice::separate_sheets(made.complex, repairing.least);
+  lattice::rescue(made.complex, materials, repairing, aims.enough);
+  made.meeting = lattice::separate_sheets(made.complex, materials, repairing.least);
   lattice::compress(made.complex);
   made.worst = 1;
   for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));
@@ -101,7 +104,6 @@ Attempt attempt(const lattice::Materials& materials, double reach, std::span<con
 // How far nodes snap decides which configurations arise where several materials meet or the outside is narrow; another
 // reach gives other ones.
 constexpr std::array reaches{0.5, 0.42, 0.36};
-constexpr double enough = 0.4885;  // quality: angles in [29, 145] degrees
 
 }  // namespace
 
@@ -114,13 +116,13 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
 }
 
 lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
-                                 std::int64_t crumb_cells, LatticeReport* report) {
+                                 std::int64_t crumb_cells, LatticeReport* report, const LatticeAims& aims) {
   Stopwatch watch{report};
   Attempt best;
   for (const double reach : reaches) {
-    auto made = attempt(materials, reach, manifold_sets, crumb_cells, watch);
+    auto made = attempt(materials, reach, manifold_sets, crumb_cells, aims, watch);
     if (is_better(made, best)) best = std::move(made);
-    if (best.meeting == 0 && best.worst >= enough) break;
+    if (best.meeting == 0 && best.worst >= aims.enough) break;
   }
   if (report != nullptr) report->cells_below_goal = best.below_goal;
   return std::move(best.complex);

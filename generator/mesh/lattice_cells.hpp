@@ -17,8 +17,19 @@ struct LatticeReport {
   std::int64_t cells_below_goal = 0;                    ///< of the repair
 };
 
+/// Qualities (lattice/quality.hpp) that the repair works for.
+struct LatticeAims {
+  double least = 0.49;     ///< cells below are worth every means
+  double enough = 0.4885;  ///< where no cell is below, nothing is tried again: angles in [29, 145] degrees
+};
+/// Angles in [30, 143] degrees. Where several materials meet in an edge that is too much to ask.
+constexpr LatticeAims one_material{0.512, 0.5116};
+
 /// The domain as materials, in mm along the axes of its grid. Both must outlive the result.
 lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes_mm);
+
+/// Gives the cells of a complex that has just been stuffed their final labels (settle_labels) and drops those outside.
+void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells);
 
 /// The cells of a complex whose nodes are in mm along the axes of the grid.
 adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& grid);
@@ -26,7 +37,8 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
 /// Tries again with other settings where the worst cell is too bad, and keeps the best. `manifold_sets` as in
 /// settle_labels.
 lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
-                                 std::int64_t crumb_cells, LatticeReport* report = nullptr);
+                                 std::int64_t crumb_cells, LatticeReport* report = nullptr,
+                                 const LatticeAims& aims = {});
 
 /// lattice_complex of a label map: cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat.
 adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,

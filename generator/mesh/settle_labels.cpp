@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "generator/mesh/surfaces.hpp"
+#include "generator/parallel/threads.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -18,50 +18,88 @@ struct Star {
   }
 };
 
-struct Neighbour {
-  std::int32_t cell = -1;  // -1: the hull
-  double area_mm2 = 0;
-  Face nodes{};
-};
+constexpr std::array<std::array<std::size_t, 3>, 4> face_corners{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
 struct Tetrahedra {
   const std::vector<Vec3>* nodes;
   const std::vector<Cell>* cells;
   std::vector<std::int32_t>* label;
-  std::vector<std::array<Neighbour, 4>> neighbours;
+  std::vector<std::array<std::int32_t, 4>> neighbours;  // across the face opposite to each corner; -1: the hull
   Star star;
 
   std::int32_t label_of(std::int32_t cell) const { return (*label)[static_cast<std::size_t>(cell)]; }
-  const std::array<Neighbour, 4>& around(std::int32_t cell) const { return neighbours[static_cast<std::size_t>(cell)]; }
-  double volume(std::int32_t cell) const {
-    const auto& c = (*cells)[static_cast<std::size_t>(cell)];
-    const auto p = [&](std::size_t i) { return (*nodes)[static_cast<std::size_t>(c[i])]; };
-    return std::abs(dot(p(1) - p(0), cross(p(2) - p(0), p(3) - p(0)))) / 6;
+  const std::array<std::int32_t, 4>& around(std::int32_t cell) const {
+    return neighbours[static_cast<std::size_t>(cell)];
+  }
+  const Cell& cell(std::int32_t c) const { return (*cells)[static_cast<std::size_t>(c)]; }
+  const Vec3& corner(std::int32_t c, std::size_t i) const { return (*nodes)[static_cast<std::size_t>(cell(c)[i])]; }
+  double volume(std::int32_t c) const {
+    const Vec3& o = corner(c, 0);
+    return std::abs(dot(corner(c, 1) - o, cross(corner(c, 2) - o, corner(c, 3) - o))) / 6;
+  }
+  double face_area(std::int32_t c, std::size_t opposite) const {
+    const auto& [i, j, k] = face_corners[opposite];
+    return norm(cross(corner(c, j) - corner(c, i), corner(c, k) - corner(c, i))) / 2;
   }
 };
 
-Tetrahedra connect(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells, std::vector<std::int32_t>& label) {
-  Tetrahedra t{&nodes, &cells, &label, std::vector<std::array<Neighbour, 4>>(cells.size()), {}};
-  std::vector<std::uint8_t> filled(cells.size(), 0);
-  for (const auto& face : cell_faces(cells)) {
-    const auto p = [&](std::size_t i) { return nodes[static_cast<std::size_t>(face.nodes[i])]; };
-    const double area = norm(cross(p(1) - p(0), p(2) - p(0))) / 2;
-    const auto put = [&](std::int32_t cell, std::int32_t other) {
-      const auto c = static_cast<std::size_t>(cell);
-      t.neighbours[c][filled[c]++] = {other, area, face.nodes};
-    };
-    put(face.cell, face.other);
-    if (face.other >= 0) put(face.other, face.cell);
-  }
-  t.star.first.assign(nodes.size() + 1, 0);
+Star star_of(std::size_t nodes, const std::vector<Cell>& cells) {
+  Star star;
+  star.first.assign(nodes + 1, 0);
   for (const auto& cell : cells)
-    for (const auto n : cell) ++t.star.first[static_cast<std::size_t>(n) + 1];
-  for (std::size_t n = 0; n < nodes.size(); ++n) t.star.first[n + 1] += t.star.first[n];
-  t.star.cells.resize(4 * cells.size());
-  auto next = t.star.first;
+    for (const auto n : cell) ++star.first[static_cast<std::size_t>(n) + 1];
+  for (std::size_t n = 0; n < nodes; ++n) star.first[n + 1] += star.first[n];
+  star.cells.resize(4 * cells.size());
+  auto next = star.first;
   for (std::size_t c = 0; c < cells.size(); ++c)
     for (const auto n : cells[c])
-      t.star.cells[static_cast<std::size_t>(next[static_cast<std::size_t>(n)]++)] = static_cast<std::int32_t>(c);
+      star.cells[static_cast<std::size_t>(next[static_cast<std::size_t>(n)]++)] = static_cast<std::int32_t>(c);
+  return star;
+}
+
+/// A face of a cell, by the two nodes besides its smallest.
+struct HalfFace {
+  std::int32_t middle, last, cell;
+  std::size_t corner;
+};
+
+// The faces whose smallest node is `node`.
+void collect_half_faces(const Tetrahedra& t, std::int32_t node, std::vector<HalfFace>& halves) {
+  halves.clear();
+  for (const auto c : t.star.of(node)) {
+    const Cell& cell = t.cell(c);
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      if (cell[corner] == node) continue;
+      const auto& [i, j, k] = face_corners[corner];
+      const auto least = std::min({cell[i], cell[j], cell[k]});
+      if (least != node) continue;
+      const auto most = std::max({cell[i], cell[j], cell[k]});
+      halves.push_back({cell[i] ^ cell[j] ^ cell[k] ^ least ^ most, most, c, corner});
+    }
+  }
+}
+
+// Every face has one smallest node; around that node its two cells are found among few.
+void connect_neighbours(Tetrahedra& t) {
+  t.neighbours.assign(t.cells->size(), {-1, -1, -1, -1});
+  parallel::parallel_for(0, static_cast<std::int64_t>(t.nodes->size()), [&](std::int64_t begin, std::int64_t end) {
+    std::vector<HalfFace> halves;
+    for (auto node = begin; node < end; ++node) {
+      collect_half_faces(t, static_cast<std::int32_t>(node), halves);
+      for (std::size_t h = 0; h < halves.size(); ++h)
+        for (std::size_t g = h + 1; g < halves.size(); ++g) {
+          if (halves[g].middle != halves[h].middle || halves[g].last != halves[h].last) continue;
+          t.neighbours[static_cast<std::size_t>(halves[h].cell)][halves[h].corner] = halves[g].cell;
+          t.neighbours[static_cast<std::size_t>(halves[g].cell)][halves[g].corner] = halves[h].cell;
+          break;
+        }
+    }
+  });
+}
+
+Tetrahedra connect(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells, std::vector<std::int32_t>& label) {
+  Tetrahedra t{&nodes, &cells, &label, {}, star_of(nodes.size(), cells)};
+  connect_neighbours(t);
   return t;
 }
 
@@ -69,9 +107,10 @@ Tetrahedra connect(const std::vector<Vec3>& nodes, const std::vector<Cell>& cell
 std::int32_t most_touched(const Tetrahedra& t, const std::vector<std::int32_t>& group, const auto& accept) {
   std::array<double, 64> area{};
   for (const auto cell : group)
-    for (const auto& n : t.around(cell)) {
-      const std::int32_t label = n.cell < 0 ? 0 : t.label_of(n.cell);
-      if (accept(label)) area[static_cast<std::size_t>(label)] += n.area_mm2;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const auto other = t.around(cell)[corner];
+      const std::int32_t label = other < 0 ? 0 : t.label_of(other);
+      if (accept(label)) area[static_cast<std::size_t>(label)] += t.face_area(cell, corner);
     }
   const auto most = std::max_element(area.begin(), area.end());
   return *most > 0 ? static_cast<std::int32_t>(most - area.begin()) : -1;
@@ -87,11 +126,11 @@ std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells) {
     seen[seed] = true;
     bool on_hull = false;
     for (std::size_t next = 0; next < piece.size(); ++next)
-      for (const auto& n : t.around(piece[next])) {
-        on_hull |= n.cell < 0;
-        if (n.cell < 0 || seen[static_cast<std::size_t>(n.cell)] || t.label_of(n.cell) != label) continue;
-        seen[static_cast<std::size_t>(n.cell)] = true;
-        piece.push_back(n.cell);
+      for (const auto other : t.around(piece[next])) {
+        on_hull |= other < 0;
+        if (other < 0 || seen[static_cast<std::size_t>(other)] || t.label_of(other) != label) continue;
+        seen[static_cast<std::size_t>(other)] = true;
+        piece.push_back(other);
       }
     if (static_cast<std::int64_t>(piece.size()) > crumb_cells || (label == 0 && on_hull)) continue;
     const auto other = most_touched(t, piece, [&](std::int32_t l) { return l != label; });
@@ -116,9 +155,6 @@ std::vector<Part> parts_of_star(const Tetrahedra& t, std::int32_t node, const La
   const auto place = [&](std::int32_t cell) {
     return static_cast<std::size_t>(std::lower_bound(star.begin(), star.end(), cell) - star.begin());
   };
-  const auto at_node = [&](const Neighbour& n) {
-    return n.nodes[0] == node || n.nodes[1] == node || n.nodes[2] == node;
-  };
   std::vector<Part> parts;
   Part beyond_hull{false, std::numeric_limits<double>::max(), {}};  // all outer cells on the hull hang together
   bool has_hull = false;
@@ -129,14 +165,16 @@ std::vector<Part> parts_of_star(const Tetrahedra& t, std::int32_t node, const La
     bool on_hull = false;
     for (std::size_t next = 0; next < part.cells.size(); ++next) {
       part.volume += t.volume(part.cells[next]);
-      for (const auto& n : t.around(part.cells[next])) {
-        if (!at_node(n)) continue;
-        on_hull |= n.cell < 0;
-        if (n.cell < 0 || inside(n.cell) != part.inside) continue;
-        const auto other = place(n.cell);
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        const auto cell = part.cells[next];
+        if (t.cell(cell)[corner] == node) continue;  // the face opposite to the node
+        const auto neighbour = t.around(cell)[corner];
+        on_hull |= neighbour < 0;
+        if (neighbour < 0 || inside(neighbour) != part.inside) continue;
+        const auto other = place(neighbour);
         if (seen[other]) continue;
         seen[other] = true;
-        part.cells.push_back(n.cell);
+        part.cells.push_back(neighbour);
       }
     }
     has_hull |= on_hull;
@@ -170,32 +208,55 @@ const Part* part_to_change(const std::vector<Part>& parts, bool only_inner) {
   return smallest;
 }
 
+// Whether the set or its complement falls apart at a node.
+bool falls_apart(const Tetrahedra& t, std::int32_t node, const LabelSet& set) {
+  return is_mixed(t, node, set) && parts_of_star(t, node, set).size() > 2;
+}
+
+// Gives the part of the star that is to change its side to the set, or away from it; returns its cells.
+std::vector<std::int32_t> mend(Tetrahedra& t, std::int32_t node, const LabelSet& set, bool only_inner) {
+  if (!is_mixed(t, node, set)) return {};
+  auto parts = parts_of_star(t, node, set);
+  const Part* part = parts.size() > 2 ? part_to_change(parts, only_inner) : nullptr;
+  if (!part) return {};
+  const auto other =
+      most_touched(t, part->cells, [&](std::int32_t l) { return set[static_cast<std::size_t>(l)] != part->inside; });
+  if (other < 0) return {};
+  for (const auto cell : part->cells) (*t.label)[static_cast<std::size_t>(cell)] = other;
+  return part->cells;
+}
+
+// Per node, whether to look at it: most need not be, which threads can tell before anything changes.
+std::vector<std::uint8_t> nodes_to_mend(const Tetrahedra& t, const LabelSet& set) {
+  std::vector<std::uint8_t> wanted(t.nodes->size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(wanted.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = begin; n < end; ++n)
+      wanted[static_cast<std::size_t>(n)] = falls_apart(t, static_cast<std::int32_t>(n), set);
+  });
+  return wanted;
+}
+
 std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set) {
   // Changes to and fro could repeat for ever. From some round on the set may only shrink, which must come to an end.
   constexpr int most_rounds = 60, shrinking_from = 8;
-  std::vector<std::int32_t> nodes(t.nodes->size());
-  for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n] = static_cast<std::int32_t>(n);
+  auto wanted = nodes_to_mend(t, set);
   std::int64_t changed = 0;
-  for (int round = 0; round < most_rounds && !nodes.empty(); ++round) {
-    std::vector<std::int32_t> touched;
-    for (const auto node : nodes) {
-      if (!is_mixed(t, node, set)) continue;
-      const auto parts = parts_of_star(t, node, set);
-      const Part* part = parts.size() > 2 ? part_to_change(parts, round >= shrinking_from) : nullptr;
-      if (!part) continue;
-      const auto other = most_touched(t, part->cells,
-                                      [&](std::int32_t l) { return set[static_cast<std::size_t>(l)] != part->inside; });
-      if (other < 0) continue;
-      for (const auto cell : part->cells) {
-        (*t.label)[static_cast<std::size_t>(cell)] = other;
-        const auto& corners = (*t.cells)[static_cast<std::size_t>(cell)];
-        touched.insert(touched.end(), corners.begin(), corners.end());
-        ++changed;
-      }
+  for (int round = 0; round < most_rounds; ++round) {
+    std::vector<std::uint8_t> next(wanted.size(), 0);
+    bool any = false;
+    for (std::size_t n = 0; n < wanted.size(); ++n) {
+      if (wanted[n] == 0) continue;
+      const auto cells = mend(t, static_cast<std::int32_t>(n), set, round >= shrinking_from);
+      changed += static_cast<std::int64_t>(cells.size());
+      any |= !cells.empty();
+      for (const auto cell : cells)
+        for (const auto corner : t.cell(cell)) {
+          wanted[static_cast<std::size_t>(corner)] = 1;  // in this round too, if its turn is to come
+          next[static_cast<std::size_t>(corner)] = 1;
+        }
     }
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-    nodes = std::move(touched);
+    if (!any) break;
+    wanted = std::move(next);
   }
   return changed;
 }

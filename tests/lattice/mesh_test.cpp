@@ -207,6 +207,24 @@ TEST(LatticeMesh, ThinShellKeepsItsTopology) {
   EXPECT_EQ(nodes - edges + faces, 4) << "two spheres: no hole in the wall";
 }
 
+TEST(LatticeMesh, SheetThinnerThanAnEdgeHasNoDents) {
+  // The outside is on both of its sides: no label tells an edge that goes through it from one that does not.
+  const double thickness = 0.8;
+  const Fields shell{[](const Vec3&) { return 0.0; },
+                     [=](const Vec3& p) { return 0.5 * thickness - std::abs(norm(p) - 8); }};
+  const auto m = materials_of(shell, 10, 1.2);
+  const auto c = mesh_of(m, thorough()).complex;
+  const double inner = 8 - 0.5 * thickness, outer = 8 + 0.5 * thickness;
+  const double exact = 4.0 / 3 * std::numbers::pi * (outer * outer * outer - inner * inner * inner);
+  EXPECT_NEAR(volume_of(c, 1), exact, 0.03 * exact);
+  int dents = 0;
+  for (const auto& [face, count] : face_counts(c.cells)) {
+    const double radius = norm((c.at(face[0]) + c.at(face[1]) + c.at(face[2])) / 3);
+    dents += count == 1 && std::abs(radius - 8) < 0.25 * thickness;
+  }
+  EXPECT_EQ(dents, 0);
+}
+
 TEST(LatticeMesh, RepairNeverLowersTheWorstCell) {
   const auto m = materials_of(four_in_a_ball(), 14, 1.2);
   auto c = lattice::stuff(m, {});

@@ -1,0 +1,14 @@
+// CGAL's Mesh_3 on the domain that the lattice mesher has just meshed.
+#pragma once
+#include <string>
+
+#include "benchmarks/measure.hpp"
+#include "generator/adapters/cgal_mesher.hpp"
+
+namespace heart::benchmarks {
+
+/// Meshes the domain of label 1 with refinement, perturbation and exudation; adds speed and angles to the table.
+void add_cgal_rows(Table& table, const char* bench, const adapters::ImplicitDomain& domain, const std::string& note,
+                   double our_cells_per_second);
+
+}  // namespace heart::benchmarks

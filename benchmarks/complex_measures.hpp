@@ -1,0 +1,23 @@
+// What the mesh benchmarks measure on a complex of the lattice mesher.
+#pragma once
+#include <cstdint>
+
+#include "benchmarks/mesh_measures.hpp"
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
+
+namespace heart::benchmarks {
+
+Angles angles_of(const lattice::Complex& complex);
+
+/// Of the cells with this label, mm^3.
+double volume_of(const lattice::Complex& complex, int label);
+
+/// Of the outer faces' centres to the surface of one material, to first order, in shares of the face's mean edge. Faces
+/// in the sides of the box do not count.
+Distances distances_of(const lattice::Complex& complex, const lattice::Materials& materials);
+
+/// Edges with other than two outer faces, and faces with more than two cells.
+std::int64_t defects_of(const lattice::Complex& complex);
+
+}  // namespace heart::benchmarks

@@ -1,0 +1,16 @@
+// A last means for the few cells that repair leaves too bad: the places around them are shaken up and repaired apart
+// from the rest, several times, and the best outcome is put back.
+#pragma once
+#include <cstdint>
+
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
+#include "generator/lattice/repair.hpp"
+
+namespace heart::lattice {
+
+/// Works on the cells below `enough`; what they end with is never worse. Returns how many of them are left. Needs
+/// `touches` to be what the cells make them (derive_touches). The same result for any number of threads.
+std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough);
+
+}  // namespace heart::lattice

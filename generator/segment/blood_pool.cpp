@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "generator/segment/box_around.hpp"
@@ -150,7 +151,12 @@ BloodPool find_blood(const CtVolume& ct, const Landmarks& landmarks, double soft
     const float value = contrast > clear_contrast * noise ? image.voxels[v] : result.smooth.voxels[v];
     result.blood.voxels[v] = static_cast<double>(value) > muscle + threshold_fraction * contrast;
   }
-  if (grey.faint) result.blood = unite(result.blood, faint_right_heart(ct, landmarks, muscle, grey.left));
+  result.muscles = Mask(ct.grid);
+  if (grey.faint) {
+    RightHeartBlood faint = faint_right_heart(ct, landmarks, muscle, grey.left);
+    result.blood = unite(result.blood, faint.blood);
+    result.muscles = std::move(faint.muscles);
+  }
   result.blood = fill_islands(result.blood, leaflet_ml);
   return result;
 }

@@ -12,6 +12,7 @@ struct BloodPool {
   Volume<float> smooth;  ///< the image smoothed by 1.5 mm
   double muscle_hu = 0;  ///< median grey value of the shell of muscle around the left ventricle
   double blood_hu = 0;   ///< grey value of the left heart's blood
+  Mask muscles{};  ///< part of `blood` where it is faint: muscles in the right ventricle (see faint_right_heart.hpp)
 };
 
 /// `ct` is the heart's part of the image. `soft_hu` is a first guess of the muscle's grey value. Uses the seeds

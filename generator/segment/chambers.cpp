@@ -119,6 +119,12 @@ void cut_vessels(LabelVolume& labels, const ChamberSettings& settings) {
   }
 }
 
+/// Muscles that the cavity was found with go.
+void take_out_muscles(LabelVolume& labels, const Mask& muscles) {
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+    if (muscles.voxels[v] && labels.voxels[v] == tag(Region::rv_blood)) labels.voxels[v] = 0;
+}
+
 /// Clouds of unmixed blood in the atria: gaps of their blood that are darker, yet brighter than muscle, and holes.
 void fill_mixing_clouds(LabelVolume& labels, const BloodPool& pool) {
   const double least = pool.muscle_hu + mixing_fraction * (pool.blood_hu - pool.muscle_hu);
@@ -212,6 +218,7 @@ LabelVolume split_chambers(const CtVolume& ct, const SegmentationTree& tree, con
                                           valve_barrier(heart.grid, landmarks, valve_margin_mm));
   fill_mixing_clouds(labels, pool);
   cut_vessels(labels, settings);
+  take_out_muscles(labels, pool.muscles);
   part_pools(labels);
   drop_islands(labels);
   if (settings.close_trabeculae_mm > 0)

@@ -21,12 +21,7 @@ namespace {
 constexpr float fat_hu = -90;
 constexpr double edge_smoothing_mm = 1;  // of the image before fat and muscle are told apart
 constexpr double papillary_mm = 6;       // half the width of the gaps in the left ventricle's blood that are closed
-constexpr double blurred_mm = 1.4;       // nearer to fat and bright blood the grey value is a mixture
 constexpr double sharp_mm = 2.6;         // farther from them it is not
-constexpr double reach_mm = 6;           // from the compartment to the farthest blood
-constexpr double wall_weight = 0.04;     // nats per mm³: what usual anatomy says for muscle in the walls
-constexpr double cavity_weight = 0.03;   // and for blood inside, where muscles and the valves' rings are as well
-constexpr double anatomy_slack_mm = 1;   // walls differ from their mean thickness by this
 constexpr double most_evidence = 1;      // nats per mm³: no single voxel decides alone
 constexpr double unseen_mm = 0.75;       // off the usual thin wall: less cannot be told from noise
 constexpr float nowhere_mm = 1e6F;
@@ -103,19 +98,6 @@ Volume<float> distance_from_mask(const Mask& mask) {
   Volume<float> level(mask.grid);
   for (std::size_t v = 0; v < level.voxels.size(); ++v) level.voxels[v] = mask.voxels[v] ? -0.5F : 0.5F;
   return distance_from_negative(gaussian(level, smoothing_voxels * mask.grid.spacing_mm.x));
-}
-
-/// Nats per mm³ that a grey value speaks for blood.
-double grey_evidence(float hu, const FaintContrast& contrast) {
-  constexpr double least_power = 1;
-  const double difference = contrast.difference_hu(), middle = contrast.muscle_hu + difference / 2;
-  const double evidence = difference * (static_cast<double>(hu) - middle) / std::max(contrast.noise_power, least_power);
-  return std::clamp(evidence, -most_evidence, most_evidence);
-}
-
-/// Nats per mm³ by which the mean grey value of blood speaks for blood.
-double information(const FaintContrast& contrast) {
-  return grey_evidence(static_cast<float>(contrast.blood_hu), contrast);
 }
 
 /// Grey values by distance from where a wall begins.
@@ -200,6 +182,17 @@ Volume<float> solve(const Volume<float>& evidence, const Mask& possible, double 
 
 }  // namespace
 
+double grey_evidence(float hu, const FaintContrast& contrast) {
+  constexpr double least_power = 1;
+  const double difference = contrast.difference_hu(), middle = contrast.muscle_hu + difference / 2;
+  const double evidence = difference * (static_cast<double>(hu) - middle) / std::max(contrast.noise_power, least_power);
+  return std::clamp(evidence, -most_evidence, most_evidence);
+}
+
+double information(const FaintContrast& contrast) {
+  return grey_evidence(static_cast<float>(contrast.blood_hu), contrast);
+}
+
 WallDistances measure_walls(const Volume<float>& hu, const Mask& lv, const Mask& other_left, double muscle_hu) {
   // Clipped before it is smoothed: neither lung behind thin fat nor bright blood inside a thin wall moves the edge.
   Volume<float> tissue = hu;
@@ -261,7 +254,7 @@ Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled) 
 WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,
                                 const Mask& compartment, const WallThickness& usual, const FaintContrast& contrast) {
   constexpr double band_mm = 3, alone_mm = 5;
-  const Mask near = dilate(compartment, reach_mm);
+  const Mask near = dilate(compartment, blood_reach_mm);
   WallProfile free, left;
   const auto add = [&](WallProfile& profile, double distance_mm, double usual_mm, std::size_t v) {
     if (distance_mm < blurred_mm || std::abs(distance_mm - usual_mm) > band_mm) return;
@@ -283,10 +276,10 @@ WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& wa
 }
 
 Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
-                          const Mask& compartment, const FaintContrast& contrast) {
+                          const Mask& compartment, const FaintContrast& contrast, const AnatomyTrust& trust) {
   constexpr double least_septum_mm = 3;
   const double speaks = information(contrast), cost = contour_cost(speaks);
-  const Mask near = dilate(compartment, reach_mm);
+  const Mask near = dilate(compartment, blood_reach_mm);
   const Volume<float> parallels = divergence_of_normals(space);
   Volume<float> evidence(hu.grid);
   Mask possible(hu.grid);
@@ -294,17 +287,17 @@ Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, c
     const auto off_edges = static_cast<double>(std::min(walls.from_outside.voxels[v], walls.from_other_left.voxels[v]));
     possible.voxels[v] =
         near.voxels[v] && off_edges > blurred_mm && static_cast<double>(walls.from_lv.voxels[v]) > least_septum_mm;
-    const double trust = std::clamp((off_edges - blurred_mm) / (sharp_mm - blurred_mm), 0.0, 1.0);
-    const double usual = std::clamp(static_cast<double>(space.voxels[v]) / anatomy_slack_mm, -1.0, 1.0);
-    const double sum = trust * grey_evidence(hu.voxels[v], contrast) +
-                       (usual > 0 ? cavity_weight : wall_weight) * usual -
+    const double unmixed = std::clamp((off_edges - blurred_mm) / (sharp_mm - blurred_mm), 0.0, 1.0);
+    const double usual = std::clamp(static_cast<double>(space.voxels[v]) / trust.slack_mm, -1.0, 1.0);
+    const double sum = unmixed * grey_evidence(hu.voxels[v], contrast) +
+                       (usual > 0 ? trust.cavity_weight : trust.wall_weight) * usual -
                        cost * static_cast<double>(parallels.voxels[v]);
     evidence.voxels[v] =
         static_cast<float>(possible.voxels[v] ? std::clamp(sum, -most_evidence, most_evidence) : -most_evidence);
   }
   Volume<float> blood = solve(evidence, possible, cost);
   // The same height on both sides of the contour, so that its interpolation lies half-way between two voxels.
-  const double height = 0.5 * (speaks + cavity_weight);
+  const double height = 0.5 * (speaks + trust.cavity_weight);
   for (std::size_t v = 0; v < blood.voxels.size(); ++v) {
     const double value = possible.voxels[v] ? static_cast<double>(blood.voxels[v]) / height : -1;
     blood.voxels[v] = static_cast<float>(std::clamp(value, -1.0, 1.0));

@@ -3,8 +3,9 @@
 // Two sources are weighed against each other. The grey value: with blood and muscle of known grey values and noise of
 // known power N (HU² mm³), a voxel of grey value g speaks for blood with (b - m) (g - (b + m) / 2) / N nats per mm³.
 // And usual anatomy: the right heart fills the soft tissue inside the epicardial fat, less a free wall, the left
-// ventricle's wall and the thin walls beside the left atrium and the aorta. How thick free wall and septum are on
-// average is measured first: one number each, for which the grey values of the whole wall speak together.
+// ventricle's wall and the thin walls beside the left atrium and the aorta. How thick free wall and septum are is
+// measured first: on average, one number each, for which the grey values of the whole wall speak together, and then
+// from place to place (wall_thickness.hpp).
 //
 // The contour is the global minimum of mu (area - ∫ n·N) - ∫ evidence, n its normal and N that of the surfaces parallel
 // to usual anatomy's. The flux of N (Kimmel and Bruckstein 2003) makes mu the price of leaving anatomy's direction, not
@@ -16,6 +17,9 @@
 #include "model/volume.hpp"
 
 namespace heart::segment {
+
+constexpr double blurred_mm = 1.4;    ///< nearer to fat and bright blood the grey value is a mixture
+constexpr double blood_reach_mm = 6;  ///< from the compartment to the farthest blood
 
 /// Distances (mm) from the surfaces that walls are measured from, sub-voxel, 0 behind them; on a grid of equal
 /// spacings.
@@ -59,16 +63,32 @@ struct FaintContrast {
 FaintContrast measure_faint_contrast(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
                                      const Mask& compartment);
 
+/// Nats per mm³ that a grey value speaks for blood, at most 1.
+double grey_evidence(float hu, const FaintContrast& contrast);
+
+/// Nats per mm³ by which the mean grey value of blood speaks for blood.
+double information(const FaintContrast& contrast);
+
 /// Mean thickness of free wall and septum, the most likely ones for the grey values of what may be wall or blood near
 /// the compartment, where no other wall is near; the usual ones (to within a millimetre) where nothing speaks. The thin
 /// walls keep theirs: fat and bright blood beside them leave no unmixed grey value.
 WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,
                                 const Mask& compartment, const WallThickness& usual, const FaintContrast& contrast);
 
+/// What is said by `space`: nats per mm³ for muscle outside and for blood inside, growing to that over `slack_mm`.
+struct AnatomyTrust {
+  double wall_weight = 0.04;    ///< of walls of mean thickness
+  double cavity_weight = 0.03;  ///< less: muscles and the valves' rings are inside as well
+  double slack_mm = 1;          ///< walls differ from their mean thickness by this
+};
+
+/// Of walls measured from place to place: noise that is not alike over a whole neighbourhood must not outvote them.
+constexpr AnatomyTrust measured_walls{.wall_weight = 0.15, .cavity_weight = 0.15, .slack_mm = 0.7};
+
 /// Positive in blood, negative elsewhere; the contour is the zero level of its linear interpolation. `compartment`
 /// (the right heart's cavities, roughly) bounds the result to 6 mm around it.
 Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
-                          const Mask& compartment, const FaintContrast& contrast);
+                          const Mask& compartment, const FaintContrast& contrast, const AnatomyTrust& trust = {});
 
 /// The same with contours beside thin walls put where the walls' thickness has them, if that is within 0.75 mm; those
 /// twice as far off stay, and others move by less. Beside fat or bright blood, grey values speak on the blood's side of

@@ -9,7 +9,9 @@
 #include "generator/segment/faint_blood.hpp"
 #include "generator/segment/flood.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "generator/segment/muscle_bundles.hpp"
 #include "generator/segment/seeds.hpp"
+#include "generator/segment/wall_thickness.hpp"
 #include "model/labels.hpp"
 
 namespace heart::segment {
@@ -135,9 +137,30 @@ LabelVolume usual_right_heart(const Volume<float>& space, const Scene& scene, co
   return labels;
 }
 
+/// From apex to base, along the grid's axes.
+Vec3 long_axis(const Grid& grid, const Landmarks& landmarks) {
+  const auto mitral = landmarks.valves.find("mitral");
+  const Vec3 tip = landmarks.lv_apex_mm.value_or(landmarks.seeds_mm.at("lv_blood"));
+  const Vec3 base = mitral != landmarks.valves.end() ? mitral->second.center_mm : landmarks.seeds_mm.at("la_blood");
+  return normalized(index_from_lps(grid, base) - index_from_lps(grid, tip));
+}
+
+/// The right ventricle's papillary muscles and bands.
+void take_out_muscles(const Volume<float>& hu, const Mask& thin_walled, const FaintContrast& contrast,
+                      Volume<float>& blood) {
+  Volume<float> evidence(hu.grid);
+  Mask ventricle(hu.grid);
+  for (std::size_t v = 0; v < hu.voxels.size(); ++v) {
+    ventricle.voxels[v] = thin_walled.voxels[v] == 0;
+    if (ventricle.voxels[v] && blood.voxels[v] > 0)
+      evidence.voxels[v] = static_cast<float>(-grey_evidence(hu.voxels[v], contrast));
+  }
+  carve_bundles(find_muscle_bundles(evidence, information(contrast)), ventricle, blood);
+}
+
 }  // namespace
 
-Mask faint_right_heart(const CtVolume& ct, const Landmarks& landmarks, double muscle_hu, double left_hu) {
+RightHeartBlood faint_right_heart(const CtVolume& ct, const Landmarks& landmarks, double muscle_hu, double left_hu) {
   const double left_threshold_hu = 0.5 * (muscle_hu + left_hu);
   const Scene scene = make_scene(ct, landmarks, left_threshold_hu);
   const Grid& grid = scene.hu.grid;
@@ -149,13 +172,21 @@ Mask faint_right_heart(const CtVolume& ct, const Landmarks& landmarks, double mu
   Volume<float> space = usual_cavity(walls, thin, usual);
   const Mask compartment = mask_where(grid, [&](std::size_t v) { return parts.voxels[v] != 0; });
   FaintContrast contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
-  space = usual_cavity(walls, thin, measure_thickness(scene.hu, walls, thin, compartment, usual, contrast));
+  const WallThickness thickness = measure_thickness(scene.hu, walls, thin, compartment, usual, contrast);
+  space = usual_cavity(walls, thin, thickness);
   contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
-  const Volume<float> blood = faint_blood(scene.hu, walls, space, compartment, contrast);
-  const Volume<float> fine = resampled(settle_thin_walls(blood, space, thin), ct.grid);
-  return mask_where(ct.grid, [&](std::size_t v) {
-    return fine.voxels[v] > 0 && static_cast<double>(ct.voxels[v]) < 2 * left_threshold_hu;
+  space = measured_cavity(scene.hu, walls, thin, compartment, thickness, contrast, long_axis(grid, landmarks));
+  Volume<float> blood =
+      settle_thin_walls(faint_blood(scene.hu, walls, space, compartment, contrast, measured_walls), space, thin);
+  RightHeartBlood found;
+  const Volume<float> cavity = resampled(blood, ct.grid);
+  found.blood = mask_where(ct.grid, [&](std::size_t v) {
+    return cavity.voxels[v] > 0 && static_cast<double>(ct.voxels[v]) < 2 * left_threshold_hu;
   });
+  take_out_muscles(scene.hu, thin, contrast, blood);
+  blood = resampled(blood, ct.grid);
+  found.muscles = mask_where(ct.grid, [&](std::size_t v) { return found.blood.voxels[v] && blood.voxels[v] <= 0; });
+  return found;
 }
 
 }  // namespace heart::segment

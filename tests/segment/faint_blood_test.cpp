@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "generator/segment/vessel_ends.hpp"
+#include "generator/segment/wall_thickness.hpp"
 
 namespace heart::segment {
 namespace {
@@ -60,9 +61,9 @@ Found find(const Scene& scene) {
   Found found;
   found.lv_wall_mm = walls.lv_wall_mm;
   found.contrast = measure_faint_contrast(scene.hu, walls, space, scene.compartment);
-  space = usual_cavity(walls, scene.nowhere,
-                       measure_thickness(scene.hu, walls, scene.nowhere, scene.compartment, usual, found.contrast));
-  found.blood = faint_blood(scene.hu, walls, space, scene.compartment, found.contrast);
+  const auto mean = measure_thickness(scene.hu, walls, scene.nowhere, scene.compartment, usual, found.contrast);
+  space = measured_cavity(scene.hu, walls, scene.nowhere, scene.compartment, mean, found.contrast, {0, 0, 1});
+  found.blood = faint_blood(scene.hu, walls, space, scene.compartment, found.contrast, measured_walls);
   double both = 0, sum = 0;
   for (std::size_t v = 0; v < scene.truth.voxels.size(); ++v) {
     const bool blood = found.blood.voxels[v] > 0, truth = scene.truth.voxels[v] != 0;

@@ -1,0 +1,236 @@
+#include "generator/segment/muscle_bundles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "generator/parallel/threads.hpp"
+#include "generator/segment/gaussian.hpp"
+
+namespace heart::segment {
+namespace {
+
+constexpr double least_nats = 15;  // some ten thousand places, directions and sizes are tried: chance reaches ten
+constexpr double most_of_muscle = 3;
+constexpr double across_mm = 1.5, half_length_mm = 6;  // of the lines that give the first guess
+constexpr double first_radius_mm = 2.5;
+constexpr double thinnest_mm = 1.5, thickest_mm = 5, longest_mm = 40;  // radius, radius, distance of the ends
+constexpr std::size_t most_guesses = 60;
+
+double distance_mm(const MuscleBundle& bundle, const Vec3& p) {
+  const Vec3 axis = bundle.to_mm - bundle.from_mm, from = p - bundle.from_mm;
+  const double square = dot(axis, axis);
+  const double t = square > 0 ? std::clamp(dot(from, axis) / square, 0.0, 1.0) : 0.0;
+  return norm(from - t * axis) - bundle.radius_mm;
+}
+
+/// body(offset, distance to the bundle's surface) for every voxel up to `margin_mm` from it.
+template <class Body>
+void for_each_within(const Grid& grid, const MuscleBundle& bundle, double margin_mm, const Body& body) {
+  const double reach = bundle.radius_mm + margin_mm, spacing = grid.spacing_mm.x;
+  Index3 low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double first = (std::min(bundle.from_mm[axis], bundle.to_mm[axis]) - reach) / spacing;
+    const double last = (std::max(bundle.from_mm[axis], bundle.to_mm[axis]) + reach) / spacing;
+    low[a] = std::max<std::int64_t>(static_cast<std::int64_t>(std::ceil(first)), 0);
+    high[a] = std::min(static_cast<std::int64_t>(std::floor(last)), grid.size[a] - 1);
+  }
+  for (std::int64_t k = low[2]; k <= high[2]; ++k)
+    for (std::int64_t j = low[1]; j <= high[1]; ++j)
+      for (std::int64_t i = low[0]; i <= high[0]; ++i) {
+        const Vec3 p{static_cast<double>(i) * spacing, static_cast<double>(j) * spacing,
+                     static_cast<double>(k) * spacing};
+        const double distance = distance_mm(bundle, p);
+        if (distance < margin_mm) body(static_cast<std::size_t>(grid.offset(i, j, k)), distance);
+      }
+}
+
+/// Share of a voxel that lies inside, of its distance to the surface.
+double share(double distance_mm, double spacing_mm) { return std::clamp(0.5 - distance_mm / spacing_mm, 0.0, 1.0); }
+
+struct Weight {
+  double nats = 0, volume_mm3 = 0;
+};
+
+Weight weigh(const Volume<float>& evidence, const MuscleBundle& bundle) {
+  const double spacing = evidence.grid.spacing_mm.x, voxel = evidence.grid.voxel_volume_mm3();
+  Weight sum;
+  for_each_within(evidence.grid, bundle, spacing / 2, [&](std::size_t v, double distance) {
+    if (evidence.voxels[v] == 0) return;
+    const double part = voxel * share(distance, spacing);
+    sum.nats += part * static_cast<double>(evidence.voxels[v]);
+    sum.volume_mm3 += part;
+  });
+  return sum;
+}
+
+/// One of every pair of opposite directions to the 26 neighbours.
+std::array<Index3, 13> directions() {
+  std::array<Index3, 13> result;
+  std::size_t n = 0;
+  for (std::int64_t k = 0; k <= 1; ++k)
+    for (std::int64_t j = -1; j <= 1; ++j)
+      for (std::int64_t i = -1; i <= 1; ++i)
+        if (k > 0 || j > 0 || (j == 0 && i > 0)) result[n++] = {i, j, k};
+  return result;
+}
+
+Vec3 to_vec(const Index3& v) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+/// The greatest sum along a line through every voxel, and its direction.
+struct LineSums {
+  Volume<float> greatest;
+  Volume<std::uint8_t> direction;
+};
+
+LineSums line_sums(const Volume<float>& smooth) {
+  const Grid& grid = smooth.grid;
+  LineSums sums{Volume<float>(grid), Volume<std::uint8_t>(grid)};
+  const auto all = directions();
+  const auto sum_along = [&](const Index3& at, const Index3& step, double step_mm) {
+    const auto reach = std::lround(half_length_mm / step_mm);
+    float sum = 0;
+    for (std::int64_t n = -reach; n <= reach; ++n) {
+      const Index3 to{at[0] + n * step[0], at[1] + n * step[1], at[2] + n * step[2]};
+      if (grid.contains(to[0], to[1], to[2])) sum += smooth(to[0], to[1], to[2]);
+    }
+    return sum * static_cast<float>(step_mm);
+  };
+  parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < grid.size[1]; ++j)
+        for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+          if (smooth(i, j, k) <= 0) continue;
+          for (std::size_t d = 0; d < all.size(); ++d) {
+            const float sum = sum_along({i, j, k}, all[d], norm(to_vec(all[d])) * grid.spacing_mm.x);
+            if (sum <= sums.greatest(i, j, k)) continue;
+            sums.greatest(i, j, k) = sum;
+            sums.direction(i, j, k) = static_cast<std::uint8_t>(d);
+          }
+        }
+  });
+  return sums;
+}
+
+/// Whether no neighbour has more.
+bool is_peak(const Volume<float>& values, const Index3& at) {
+  for (std::int64_t k = -1; k <= 1; ++k)
+    for (std::int64_t j = -1; j <= 1; ++j)
+      for (std::int64_t i = -1; i <= 1; ++i)
+        if (values(at[0] + i, at[1] + j, at[2] + k) > values(at[0], at[1], at[2])) return false;
+  return true;
+}
+
+std::vector<MuscleBundle> first_guesses(const Volume<float>& evidence) {
+  const LineSums sums = line_sums(gaussian(evidence, across_mm));
+  const Grid& grid = evidence.grid;
+  std::vector<std::pair<float, Index3>> peaks;
+  for (std::int64_t k = 1; k + 1 < grid.size[2]; ++k)
+    for (std::int64_t j = 1; j + 1 < grid.size[1]; ++j)
+      for (std::int64_t i = 1; i + 1 < grid.size[0]; ++i)
+        if (sums.greatest(i, j, k) > 0 && is_peak(sums.greatest, {i, j, k}))
+          peaks.push_back({-sums.greatest(i, j, k), {i, j, k}});
+  std::sort(peaks.begin(), peaks.end());
+  if (peaks.size() > most_guesses) peaks.resize(most_guesses);
+  std::vector<MuscleBundle> guesses;
+  for (const auto& [sum, at] : peaks) {
+    const Vec3 middle = grid.spacing_mm.x * to_vec(at);
+    const Vec3 half = half_length_mm * normalized(to_vec(directions()[sums.direction(at[0], at[1], at[2])]));
+    guesses.push_back({middle - half, middle + half, first_radius_mm, 0});
+  }
+  return guesses;
+}
+
+/// The bundle with one thing changed: an end, both ends, the length or the radius.
+std::vector<MuscleBundle> changes(const MuscleBundle& bundle, double step_mm) {
+  std::vector<MuscleBundle> result;
+  const auto add = [&](const Vec3& from, const Vec3& to, double radius) {
+    result.push_back({bundle.from_mm + from, bundle.to_mm + to, bundle.radius_mm + radius, 0});
+  };
+  const Vec3 axis = normalized(bundle.to_mm - bundle.from_mm);
+  for (const double step : {-step_mm, step_mm}) {
+    for (int n = 0; n < 3; ++n) {
+      Vec3 shift;
+      shift[n] = step;
+      add(shift, {}, 0);
+      add({}, shift, 0);
+      add(shift, shift, 0);
+    }
+    add(step * axis, {}, 0);
+    add({}, step * axis, 0);
+    add({}, {}, step / 2);
+  }
+  return result;
+}
+
+bool allowed(const MuscleBundle& bundle) {
+  const double length = norm(bundle.to_mm - bundle.from_mm);
+  return bundle.radius_mm >= thinnest_mm && bundle.radius_mm <= thickest_mm && length >= 1 && length <= longest_mm;
+}
+
+/// The best bundle that changes lead to; large ones first, which noise along the way does not stop.
+MuscleBundle refine(const Volume<float>& evidence, MuscleBundle bundle) {
+  constexpr int most_changes = 12;
+  bundle.nats = weigh(evidence, bundle).nats;
+  for (const double step_mm : {8.0, 4.0, 2.0, 1.0, 0.5})
+    for (int n = 0; n < most_changes; ++n) {
+      MuscleBundle best = bundle;
+      for (MuscleBundle& other : changes(bundle, step_mm)) {
+        if (!allowed(other)) continue;
+        other.nats = weigh(evidence, other).nats;
+        if (other.nats > best.nats) best = other;
+      }
+      if (best.nats <= bundle.nats) break;
+      bundle = best;
+    }
+  return bundle;
+}
+
+void clear(const MuscleBundle& bundle, Volume<float>& evidence) {
+  const double spacing = evidence.grid.spacing_mm.x;
+  for_each_within(evidence.grid, bundle, spacing / 2, [&](std::size_t v, double distance) {
+    evidence.voxels[v] *= static_cast<float>(1 - share(distance, spacing));
+  });
+}
+
+}  // namespace
+
+std::vector<MuscleBundle> find_muscle_bundles(const Volume<float>& evidence, double muscle_evidence) {
+  Volume<float> left = evidence;
+  std::vector<MuscleBundle> guesses = first_guesses(left), found;
+  parallel::parallel_for(0, static_cast<std::int64_t>(guesses.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t n = begin; n < end; ++n) {
+      auto& guess = guesses[static_cast<std::size_t>(n)];
+      guess = refine(left, guess);
+    }
+  });
+  const auto surer = [](const MuscleBundle& a, const MuscleBundle& b) { return a.nats < b.nats; };
+  while (!guesses.empty()) {
+    const auto best = std::max_element(guesses.begin(), guesses.end(), surer);
+    const MuscleBundle bundle = *best;
+    const Weight weight = weigh(left, bundle);
+    const bool taken = weight.nats < 0.99 * bundle.nats;  // a surer one has taken part of it: what remains?
+    if (taken) *best = refine(left, bundle);
+    if (taken && best->nats >= least_nats && best->nats < bundle.nats) continue;
+    guesses.erase(best);
+    if (taken || bundle.nats < least_nats) continue;
+    if (weight.nats <= most_of_muscle * muscle_evidence * weight.volume_mm3) found.push_back(bundle);
+    clear(bundle, left);
+  }
+  return found;
+}
+
+void carve_bundles(const std::vector<MuscleBundle>& bundles, const Mask& where, Volume<float>& blood) {
+  constexpr double margin_mm = 1;
+  for (const auto& bundle : bundles)
+    for_each_within(blood.grid, bundle, margin_mm, [&](std::size_t v, double distance) {
+      const auto off = static_cast<float>(std::max(distance, -margin_mm));
+      if (where.voxels[v]) blood.voxels[v] = std::min(blood.voxels[v], off);
+    });
+}
+
+}  // namespace heart::segment

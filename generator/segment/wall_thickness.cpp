@@ -1,0 +1,241 @@
+#include "generator/segment/wall_thickness.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "generator/parallel/threads.hpp"
+#include "generator/segment/gaussian.hpp"
+#include "generator/segment/morphology.hpp"
+
+namespace heart::segment {
+namespace {
+
+constexpr double cell_mm = 2;          // places along the wall
+constexpr double band_mm = 3;          // thicknesses differ by this from their mean at most,
+constexpr double deviation_mm = 1;     // and by this usually
+constexpr double place_reach_mm = 10;  // voxels farther from the wall's end need no thickness
+constexpr double alone_mm = 1;         // other walls end at least this far off
+constexpr double off_left_mm = 4;      // the same of walls beside left atrium and aorta, thick and blurred
+constexpr std::size_t bins = 30;
+constexpr double bin_mm = 2 * band_mm / bins;
+
+using Corners = std::array<std::pair<std::size_t, float>, 8>;
+
+Vec3 gradient(const Volume<float>& f, const Index3& at) {
+  Vec3 slope;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Index3 low = at, high = at;
+    low[axis] = std::max<std::int64_t>(low[axis] - 1, 0);
+    high[axis] = std::min(high[axis] + 1, f.grid.size[axis] - 1);
+    const double step = static_cast<double>(high[axis] - low[axis]) * f.grid.spacing_mm[static_cast<int>(axis)];
+    slope[static_cast<int>(axis)] =
+        static_cast<double>(f(high[0], high[1], high[2]) - f(low[0], low[1], low[2])) / step;
+  }
+  return slope;
+}
+
+/// Places: a lattice of cells over the image; a voxel belongs to where its normal meets the end of the mean wall.
+struct Places {
+  Grid grid;
+  const Volume<float>& distance_mm;
+  double mean_mm;
+
+  Places(const Volume<float>& distance, double mean) : grid(distance.grid), distance_mm(distance), mean_mm(mean) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double spacing = distance.grid.spacing_mm[static_cast<int>(axis)];
+      grid.size[axis] =
+          static_cast<std::int64_t>(static_cast<double>(distance.grid.size[axis] - 1) * spacing / cell_mm) + 2;
+      grid.spacing_mm[static_cast<int>(axis)] = cell_mm;
+    }
+  }
+
+  double off_mm(const Index3& at) const { return static_cast<double>(distance_mm(at[0], at[1], at[2])) - mean_mm; }
+
+  /// In cells.
+  Vec3 place(const Index3& at) const {
+    constexpr double no_normal = 0.3;
+    const Vec3 slope = gradient(distance_mm, at);
+    const double length = norm(slope);
+    Vec3 place;
+    for (int axis = 0; axis < 3; ++axis) {
+      double mm = static_cast<double>(at[static_cast<std::size_t>(axis)]) * distance_mm.grid.spacing_mm[axis];
+      if (length > no_normal) mm -= off_mm(at) * slope[axis] / length;
+      place[axis] =
+          std::clamp(mm / cell_mm, 0.0, static_cast<double>(grid.size[static_cast<std::size_t>(axis)]) - 1.001);
+    }
+    return place;
+  }
+
+  /// Cells around a place with their weights of linear interpolation.
+  Corners corners(const Vec3& place) const {
+    Corners result;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      double weight = 1;
+      Index3 cell;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double low = std::floor(place[static_cast<int>(axis)]), t = place[static_cast<int>(axis)] - low;
+        const bool upper = ((corner >> axis) & 1U) != 0;
+        cell[axis] = static_cast<std::int64_t>(low) + (upper ? 1 : 0);
+        weight *= upper ? t : 1 - t;
+      }
+      result[corner] = {static_cast<std::size_t>(grid.offset(cell[0], cell[1], cell[2])), static_cast<float>(weight)};
+    }
+    return result;
+  }
+};
+
+template <class Body>
+void for_each_near(const Places& places, double reach_mm, const Body& body) {
+  const auto& size = places.distance_mm.grid.size;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i)
+        if (std::abs(places.off_mm({i, j, k})) < reach_mm) body(Index3{i, j, k});
+}
+
+/// Nats for blood per place (one volume) and bin of thickness.
+std::vector<Volume<float>> sum_evidence(const Volume<float>& hu, const Mask& speaks, const Places& places,
+                                        const FaintContrast& contrast) {
+  std::vector<Volume<float>> sums(bins, Volume<float>(places.grid));
+  const double voxel_mm3 = hu.grid.voxel_volume_mm3();
+  for_each_near(places, band_mm, [&](const Index3& at) {
+    if (!speaks(at[0], at[1], at[2])) return;
+    const auto bin = std::min(static_cast<std::size_t>((places.off_mm(at) + band_mm) / bin_mm), bins - 1);
+    const auto nats = static_cast<float>(grey_evidence(hu(at[0], at[1], at[2]), contrast) * voxel_mm3);
+    for (const auto& [cell, weight] : places.corners(places.place(at))) sums[bin].voxels[cell] += weight * nats;
+  });
+  return sums;
+}
+
+/// A Gaussian along the line through a cell; a single weight where `along_mm` is 0.
+struct LineWeights {
+  std::vector<double> weights;
+  std::int64_t reach = 0;
+
+  explicit LineWeights(double along_mm) {
+    reach = static_cast<std::int64_t>(2.5 * along_mm / cell_mm);
+    for (std::int64_t n = -reach; n <= reach; ++n) {
+      const double at = static_cast<double>(n) * cell_mm / std::max(along_mm, cell_mm);
+      weights.push_back(std::exp(-0.5 * at * at));
+    }
+  }
+};
+
+/// Posterior mean of the thickness less the mean one, mm. `nats`: evidence per bin, used up.
+double posterior_mean(std::array<double, bins + 1>& nats) {
+  double beyond = 0, top = -std::numeric_limits<double>::infinity();
+  const auto off_mm = [](std::size_t n) { return static_cast<double>(n) * bin_mm - band_mm; };
+  for (std::size_t n = bins + 1; n-- > 0;) {
+    beyond += nats[n];
+    const double prior = off_mm(n) / deviation_mm;
+    nats[n] = beyond - prior * prior / 2;
+    top = std::max(top, nats[n]);
+  }
+  double sum = 0, weighted = 0;
+  for (std::size_t n = 0; n <= bins; ++n) {
+    const double likely = std::exp(nats[n] - top);
+    sum += likely;
+    weighted += likely * off_mm(n);
+  }
+  return weighted / sum;
+}
+
+/// Sums over neighbouring places as a Gaussian of height 1 on the wall, at one cell.
+std::array<double, bins + 1> neighbours_sum(const std::vector<Volume<float>>& smooth, const Index3& cell,
+                                            const WallNeighbours& neighbours, const LineWeights& line) {
+  const Grid& grid = smooth.front().grid;
+  double total = 0;
+  for (const double weight : line.weights) total += weight;
+  const double ratio = neighbours.along_mm / neighbours.across_mm;
+  const double height = std::pow(2 * std::numbers::pi * neighbours.across_mm * neighbours.across_mm, 1.5) /
+                        (cell_mm * cell_mm * cell_mm) * std::sqrt(1 + ratio * ratio) / total;
+  std::array<double, bins + 1> nats{};
+  for (std::int64_t n = -line.reach; n <= line.reach; ++n) {
+    Vec3 at;
+    bool inside = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      at[axis] = static_cast<double>(cell[a]) + static_cast<double>(n) * neighbours.along[axis];
+      inside = inside && at[axis] >= 0 && at[axis] <= static_cast<double>(grid.size[a] - 1);
+    }
+    if (!inside) continue;
+    const double weight = height * line.weights[static_cast<std::size_t>(n + line.reach)];
+    for (std::size_t bin = 0; bin < bins; ++bin) nats[bin] += weight * sample_linear(smooth[bin], at);
+  }
+  return nats;
+}
+
+/// What is no mixture, and wall or blood of the one wall only.
+struct Speakers {
+  Mask free, left;
+};
+
+Speakers speakers(const WallDistances& walls, const Mask& thin_walled, const Mask& compartment,
+                  const WallThickness& mean) {
+  const Mask near = dilate(compartment, blood_reach_mm);
+  Speakers result{Mask(near.grid), Mask(near.grid)};
+  for (std::size_t v = 0; v < near.voxels.size(); ++v) {
+    if (!near.voxels[v]) continue;
+    const auto outside = static_cast<double>(walls.from_outside.voxels[v]);
+    const auto from_lv = static_cast<double>(walls.from_lv.voxels[v]);
+    if (static_cast<double>(walls.from_other_left.voxels[v]) - mean.double_mm < off_left_mm) continue;
+    const bool thin = thin_walled.voxels[v] != 0;
+    result.free.voxels[v] = !thin && from_lv - mean.left_mm > alone_mm && outside > blurred_mm;
+    result.left.voxels[v] = outside - (thin ? mean.thin_mm : mean.free_mm) > alone_mm && from_lv > blurred_mm;
+  }
+  return result;
+}
+
+}  // namespace
+
+Volume<float> local_thickness(const Volume<float>& hu, const Volume<float>& distance_mm, double mean_mm,
+                              const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours) {
+  const Places places(distance_mm, mean_mm);
+  auto evidence = sum_evidence(hu, speaks, places, contrast);
+  for (auto& bin : evidence) bin = gaussian(bin, neighbours.across_mm);
+  Mask used(places.grid);
+  for_each_near(places, place_reach_mm, [&](const Index3& at) {
+    for (const auto& [cell, weight] : places.corners(places.place(at)))
+      if (weight > 0) used.voxels[cell] = 1;
+  });
+  Volume<float> off_mm(places.grid);
+  const LineWeights line(neighbours.along_mm);
+  parallel::parallel_for(0, places.grid.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < places.grid.size[1]; ++j)
+        for (std::int64_t i = 0; i < places.grid.size[0]; ++i) {
+          if (!used(i, j, k)) continue;
+          auto nats = neighbours_sum(evidence, {i, j, k}, neighbours, line);
+          off_mm(i, j, k) = static_cast<float>(posterior_mean(nats));
+        }
+  });
+  Volume<float> thickness(hu.grid, static_cast<float>(mean_mm));
+  for_each_near(places, place_reach_mm, [&](const Index3& at) {
+    float& here = thickness(at[0], at[1], at[2]);
+    for (const auto& [cell, weight] : places.corners(places.place(at))) here += weight * off_mm.voxels[cell];
+  });
+  return thickness;
+}
+
+Volume<float> measured_cavity(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,
+                              const Mask& compartment, const WallThickness& mean, const FaintContrast& contrast,
+                              const Vec3& long_axis) {
+  // Trabeculae are a few mm wide and some cm long; the septum is smooth.
+  const WallNeighbours trabeculae{.across_mm = 2, .along_mm = 8, .along = long_axis}, smooth{.across_mm = 6};
+  const Speakers speak = speakers(walls, thin_walled, compartment, mean);
+  const auto free = local_thickness(hu, walls.from_outside, mean.free_mm, speak.free, contrast, trabeculae);
+  const auto left = local_thickness(hu, walls.from_lv, mean.left_mm, speak.left, contrast, smooth);
+  Volume<float> inside(hu.grid);
+  for (std::size_t v = 0; v < inside.voxels.size(); ++v) {
+    const float wall = thin_walled.voxels[v] ? static_cast<float>(mean.thin_mm) : free.voxels[v];
+    inside.voxels[v] = std::min({walls.from_outside.voxels[v] - wall, walls.from_lv.voxels[v] - left.voxels[v],
+                                 walls.from_other_left.voxels[v] - static_cast<float>(mean.double_mm)});
+  }
+  return inside;
+}
+
+}  // namespace heart::segment

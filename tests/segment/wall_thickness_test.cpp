@@ -1,0 +1,88 @@
+#include "generator/segment/wall_thickness.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace heart::segment {
+namespace {
+
+constexpr double mean_mm = 4;
+constexpr FaintContrast twelve_hu{.muscle_hu = 110, .blood_hu = 122, .noise_power = 480};  // 22 HU in voxels of 1 mm³
+
+/// A plate of muscle, flat at x = 6 mm, over blood, in an image of noise.
+struct Plate {
+  Volume<float> hu, distance_mm;
+  Mask speaks;
+
+  template <class Thickness>
+  Plate(const FaintContrast& contrast, const Thickness& thickness_mm) {
+    Grid grid;
+    grid.size = {26, 60, 60};
+    grid.origin_mm = {5, -30, 70};
+    hu = distance_mm = Volume<float>(grid);
+    speaks = Mask(grid);
+    std::mt19937 random(3);
+    for (std::int64_t k = 0; k < 60; ++k)
+      for (std::int64_t j = 0; j < 60; ++j)
+        for (std::int64_t i = 0; i < 26; ++i) {
+          double noise = -6;  // twelve uniform numbers: the same on every platform
+          for (int n = 0; n < 12; ++n) noise += static_cast<double>(random()) / 4294967296.0;
+          const double from = std::max(static_cast<double>(i) - 6, 0.0);
+          const double blood =
+              std::clamp(from - thickness_mm(static_cast<double>(j), static_cast<double>(k)) + 0.5, 0.0, 1.0);
+          hu(i, j, k) = static_cast<float>(contrast.muscle_hu + blood * contrast.difference_hu() +
+                                           noise * std::sqrt(contrast.noise_power));
+          distance_mm(i, j, k) = static_cast<float>(from);
+          speaks(i, j, k) = from > blurred_mm;
+        }
+  }
+
+  Volume<float> measure(const FaintContrast& contrast, const WallNeighbours& neighbours) const {
+    return local_thickness(hu, distance_mm, mean_mm, speaks, contrast, neighbours);
+  }
+};
+
+/// Mean distance to the truth away from the image's border.
+template <class Thickness>
+double mean_error_mm(const Volume<float>& found, const Thickness& thickness_mm) {
+  double sum = 0;
+  for (std::int64_t k = 10; k < 50; ++k)
+    for (std::int64_t j = 10; j < 50; ++j)
+      sum +=
+          std::abs(static_cast<double>(found(11, j, k)) - thickness_mm(static_cast<double>(j), static_cast<double>(k)));
+  return sum / 1600;
+}
+
+TEST(LocalThickness, FollowsAWallThatGrowsThicker) {
+  const auto wedge = [](double j, double) { return 3 + j / 30; };
+  const Plate plate(twelve_hu, wedge);
+  EXPECT_LT(mean_error_mm(plate.measure(twelve_hu, {.across_mm = 6}), wedge), 0.25);
+  EXPECT_GT(mean_error_mm(Volume<float>(plate.hu.grid, mean_mm), wedge), 0.3);
+}
+
+TEST(LocalThickness, NeighboursAlongRidgesShowThem) {
+  const auto ridges = [](double j, double) { return mean_mm + 1.2 * std::cos(2 * std::numbers::pi * j / 11); };
+  const Plate plate(twelve_hu, ridges);
+  const double round = mean_error_mm(plate.measure(twelve_hu, {.across_mm = 6}), ridges);
+  const double along =
+      mean_error_mm(plate.measure(twelve_hu, {.across_mm = 2, .along_mm = 8, .along = {0, 0, 1}}), ridges);
+  EXPECT_LT(along, 0.7 * round);
+}
+
+TEST(LocalThickness, IsTheMeanOneWhereNothingSpeaks) {
+  const auto wedge = [](double j, double) { return 3 + j / 30; };
+  const FaintContrast none{.muscle_hu = 110, .blood_hu = 110, .noise_power = 480};
+  const Plate plate(twelve_hu, wedge);
+  for (const float mm : plate.measure(none, {.across_mm = 6}).voxels)
+    ASSERT_NEAR(static_cast<double>(mm), mean_mm, 1e-4);
+  Plate silent(twelve_hu, wedge);
+  silent.speaks = Mask(silent.hu.grid);
+  for (const float mm : silent.measure(twelve_hu, {.across_mm = 6}).voxels)
+    ASSERT_NEAR(static_cast<double>(mm), mean_mm, 1e-4);
+}
+
+}  // namespace
+}  // namespace heart::segment

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "generator/atlas/compact_wall.hpp"
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/quadratic_continuation.hpp"
 #include "generator/atlas/resample.hpp"
@@ -16,6 +17,8 @@ namespace {
 constexpr int continued_layers = 5;
 constexpr double surface_smoothing = 2.2;        // standard deviation, in voxels of the labels: evens out their steps
 constexpr double most_surface_smoothing_mm = 3;  // beyond, the wall's own curvature would go
+constexpr double ridge_voxels = 0.085;  // of the labels: how far above the compact wall's floor a sample counts
+constexpr double no_ridge_mm = 1000;    // where labels show none, every sample counts alike
 constexpr double normal_smoothing_mm = 2;
 constexpr double least_distance_mm = 0.02;
 constexpr double thick_wall_mm = 6;  // thinner ones have too few voxels across for a quadratic continuation
@@ -39,13 +42,112 @@ Surfaces surfaces_of(const Ventricles& ventricles, Part wall) {
   const double sigma_voxels =
       std::min(surface_smoothing * std::max(ventricles.label_spacing_mm, spacing_mm), most_surface_smoothing_mm) /
       spacing_mm;
-  const auto in_cavity = [&](std::uint8_t v) { return is(v, cavity_of(wall)); };
+  Mask cavity = mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
+  for (std::size_t v = 0; v < ventricles.beyond.voxels.size(); ++v)
+    if (is(ventricles.beyond.voxels[v], cavity_of(wall))) cavity.voxels[v] = 1;
   const auto in_left_hull = [](std::uint8_t v) {
     return is(v, Part::lv_wall) || is(v, Part::lv_cavity) || is(v, Part::other);
   };
   const auto in_heart = [](std::uint8_t v) { return !is(v, Part::outside); };
   const Mask hull = wall == Part::lv_wall ? mask_where(parts, in_left_hull) : mask_where(parts, in_heart);
-  return {signed_distance(mask_where(parts, in_cavity), sigma_voxels), signed_distance(hull, sigma_voxels)};
+  return {signed_distance(cavity, sigma_voxels), signed_distance(hull, sigma_voxels)};
+}
+
+/// How far a wall is from where it ends, mm: from what lies beyond a valve, and for the right one from the left.
+struct WallEnds {
+  Volume<float> to_other;
+  Volume<float> to_left;     ///< empty for the left ventricle
+  Volume<float> to_outflow;  ///< from the blood that its outflow tract goes on to; empty where that is not known
+};
+
+WallEnds wall_ends(const Ventricles& ventricles, Part wall) {
+  const auto& parts = ventricles.parts;
+  WallEnds ends{distance_to(mask_where(parts, [](auto v) { return is(v, Part::other); })), {}, {}};
+  if (!ventricles.beyond.voxels.empty())
+    ends.to_outflow = distance_to(mask_where(ventricles.beyond, [&](auto v) { return is(v, cavity_of(wall)); }));
+  if (wall == Part::rv_wall)
+    ends.to_left =
+        distance_to(mask_where(parts, [](auto v) { return is(v, Part::lv_wall) || is(v, Part::lv_cavity); }));
+  return ends;
+}
+
+/// The wall with its ridges, as it is labelled.
+Mask labelled_wall(const Ventricles& ventricles, Part wall) {
+  Mask mask = mask_where(ventricles.parts, [&](auto v) { return is(v, wall); });
+  for (std::size_t v = 0; v < ventricles.trabeculae.voxels.size(); ++v)
+    if (ventricles.trabeculae.voxels[v] && is(ventricles.parts.voxels[v], cavity_of(wall))) mask.voxels[v] = 1;
+  return mask;
+}
+
+/// Samples of the wall's thickness are taken clear of its ends, where its surfaces are its own.
+CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces& surfaces, const WallEnds& ends) {
+  constexpr double clear_of_other_mm = 6, clear_of_left_mm = 5;
+  constexpr double fine_smoothing = 1;  // in voxels of the labels; more would fill the floors between ridges
+  const auto& parts = ventricles.parts;
+  const Mask muscle = labelled_wall(ventricles, wall);
+  Mask cavity = mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
+  Mask where = muscle;
+  for (std::size_t v = 0; v < where.voxels.size(); ++v) {
+    if (muscle.voxels[v]) cavity.voxels[v] = 0;
+    if (ends.to_other.voxels[v] <= clear_of_other_mm) where.voxels[v] = 0;
+    if (wall == Part::rv_wall && ends.to_left.voxels[v] <= clear_of_left_mm) where.voxels[v] = 0;
+  }
+  const double spacing_mm = parts.grid.spacing_mm.x, label_mm = std::max(ventricles.label_spacing_mm, spacing_mm);
+  const auto fine = signed_distance(cavity, fine_smoothing * label_mm / spacing_mm);
+  const double ridge_mm = ventricles.trabeculae.voxels.empty() ? no_ridge_mm : ridge_voxels * label_mm;
+  return CompactWall(endocardial_thickness(fine, surfaces.epicardium, where), ridge_mm);
+}
+
+double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
+
+/// How much the compact wall counts at a place, each 0 to 1.
+struct CompactShare {
+  double all = 0;      ///< of the compact wall in the distances; the rest is what both surfaces say
+  double normals = 0;  ///< of the same in the directions
+  double outside = 1;  ///< laid from the epicardium; the rest from the endocardium
+};
+
+/// A wall's own surfaces end where it ends. The right wall goes on to the left one, but for a normal the rounded corner
+/// of its cavity is the better witness there; at the outflow valve its cavity goes on, and its epicardium does not.
+CompactShare compact_share(const WallEnds& ends, const Index3& at, double thickness_mm, double measured_mm) {
+  constexpr double alike_mm = 0.8, unlike_mm = 1.6;  // a wall this much off the fit changes faster than the fit follows
+  constexpr double thick_other_mm = 8, thin_other_mm = 4, other_width_mm = 4;
+  constexpr double left_width_mm = 4, left_normals_mm = 4, tract_mm = 2;
+  const auto [i, j, k] = at;
+  const bool right = !ends.to_left.voxels.empty();
+  const double other_mm = right ? thin_other_mm : thick_other_mm;
+  CompactShare share;
+  share.all = ramp(ends.to_other(i, j, k), other_mm, other_mm + other_width_mm);
+  if (!right) share.all *= 1 - ramp(std::abs(thickness_mm - measured_mm), alike_mm, unlike_mm);
+  share.normals = share.all;
+  if (!right) return share;
+  if (!ends.to_outflow.voxels.empty()) share.outside = ramp(ends.to_outflow(i, j, k) - thickness_mm, 0, tract_mm);
+  share.all = share.normals = std::max(share.all, 1 - share.outside);
+  const double left_mm = ends.to_left(i, j, k);
+  share.all *= ramp(left_mm, 0, left_width_mm);
+  share.normals *= ramp(left_mm, left_normals_mm, left_normals_mm + left_width_mm);
+  return share;
+}
+
+/// Lays one surface a thickness of the compact wall off the other.
+void use_compact_wall(const CompactWall& compact, const WallEnds& ends, const Surfaces& surfaces, const Index3& at,
+                      Between& b) {
+  const Grid& g = surfaces.epicardium.grid;
+  const Vec3 point_mm = voxel_center(g, g.offset(at[0], at[1], at[2]));
+  const auto thickness = compact.at(point_mm);
+  if (!thickness) return;
+  const CompactShare share = compact_share(ends, at, thickness->mm, b.inner_mm + b.outer_mm);
+  if (share.all <= 0) return;
+  const double outside = share.outside, inside = 1 - share.outside;
+  const double outer_mm = outside > 0 ? -distance_along_gradient(surfaces.epicardium, point_mm) : 0;
+  const double inner_mm = inside > 0 ? distance_along_gradient(surfaces.endocardium, point_mm) : 0;
+  const double depth_mm = outside * (thickness->mm - outer_mm) + inside * inner_mm;
+  b.inner_mm += share.all * (depth_mm - b.inner_mm);
+  b.outer_mm += share.all * (thickness->mm - depth_mm - b.outer_mm);
+  const Vec3 in = b.from_inside, out = b.to_outside;
+  const double laid_in = share.normals * outside, laid_out = share.normals * inside;
+  b.from_inside = normalized(laid_in * normalized(out + thickness->gradient) + (1 - laid_in) * in);
+  b.to_outside = normalized(laid_out * normalized(in - thickness->gradient) + (1 - laid_out) * out);
 }
 
 Between between(const Surfaces& surfaces, const Index3& at) {
@@ -177,18 +279,24 @@ double median_thickness_mm(const std::vector<Between>& wall) {
   return *half;
 }
 
+bool in_outflow_tract(const WallEnds& ends, const Index3& at, double thickness_mm) {
+  constexpr double margin_mm = 2;
+  return !ends.to_outflow.voxels.empty() && ends.to_outflow(at[0], at[1], at[2]) <= thickness_mm + margin_mm;
+}
+
 /// Where the wall ends, at valves and roots, its surfaces bend and are no longer its own: within a few mm of what lies
 /// beyond, and in a thick wall also where the two surfaces are far from parallel.
-std::vector<std::uint8_t> at_basal_end(const Volume<std::uint8_t>& parts, const std::vector<Index3>& voxels,
-                                       const std::vector<Between>& wall, bool thick, double thickness_mm) {
+std::vector<std::uint8_t> at_basal_end(const std::vector<Index3>& voxels, const std::vector<Between>& wall, bool thick,
+                                       double thickness_mm, const WallEnds& wall_end) {
   constexpr double thick_end_mm = 5, thin_end_mm = 2, thin_end_thicknesses = 0.7;
   constexpr double parallel_cosine = 0.906;  // 25 degrees
   const double end_mm = thick ? thick_end_mm : thin_end_mm + thin_end_thicknesses * thickness_mm;
-  const auto to_other = distance_to(mask_where(parts, [](auto v) { return is(v, Part::other); }));
   std::vector<std::uint8_t> result(voxels.size());
   for (std::size_t n = 0; n < voxels.size(); ++n) {
     const auto [i, j, k] = voxels[n];
-    result[n] = to_other(i, j, k) < end_mm || (thick && dot(wall[n].from_inside, wall[n].to_outside) < parallel_cosine);
+    result[n] =
+        (wall_end.to_other(i, j, k) < end_mm && (thick || !in_outflow_tract(wall_end, voxels[n], thickness_mm))) ||
+        (thick && dot(wall[n].from_inside, wall[n].to_outside) < parallel_cosine);
   }
   return result;
 }
@@ -223,15 +331,17 @@ void continue_surfaces(const Grid& grid, const std::vector<Index3>& voxels, cons
 WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
   const auto& parts = ventricles.parts;
   const Surfaces surfaces = surfaces_of(ventricles, wall);
+  const WallEnds wall_end = wall_ends(ventricles, wall);
+  const CompactWall compact = compact_wall(ventricles, wall, surfaces, wall_end);
   const auto voxels = voxels_of(parts, wall);
   std::vector<Between> at(voxels.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(at.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
-      at[n] = between(surfaces, voxels[n]);
+      use_compact_wall(compact, wall_end, surfaces, voxels[n], at[n] = between(surfaces, voxels[n]));
   });
   const double thickness_mm = median_thickness_mm(at);
   const bool thick = thickness_mm > thick_wall_mm;
-  const auto ends = at_basal_end(parts, voxels, at, thick, thickness_mm);
+  const auto ends = at_basal_end(voxels, at, thick, thickness_mm, wall_end);
   if (thick) continue_surfaces(parts.grid, voxels, ends, at);
   WallCoordinates result{Mask(parts.grid), Volume<float>(parts.grid), Volume<float>(parts.grid),
                          Volume<Vec3>(parts.grid)};

@@ -10,6 +10,7 @@
 
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/openings.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/atlas/trabeculae.hpp"
 #include "generator/parallel/threads.hpp"
@@ -141,86 +142,6 @@ Volume<std::uint8_t> parts_of_labels(const LabelVolume& labels) {
   Volume<std::uint8_t> parts(labels.grid);
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) parts.voxels[v] = part_of_region(labels.voxels[v]);
   return parts;
-}
-
-/// Where a ventricle opens: the disc of a valve, its normal out of the ventricle.
-struct Opening {
-  Vec3 center_mm, normal;
-  double radius_mm = 0;
-};
-
-/// The disc in which blood of `ventricle` touches blood of `beyond`; empty where fewer than 20 voxels do.
-std::optional<Opening> contact_disc(const LabelVolume& labels, Region ventricle, Region beyond) {
-  constexpr std::size_t least_voxels = 20;
-  const Grid& g = labels.grid;
-  std::vector<Vec3> points;
-  Vec3 across;
-  for (std::int64_t k = 0; k < g.size[2]; ++k)
-    for (std::int64_t j = 0; j < g.size[1]; ++j)
-      for (std::int64_t i = 0; i < g.size[0]; ++i) {
-        if (labels(i, j, k) != tag(ventricle)) continue;
-        bool touches = false;
-        for (const auto& s : faces) {
-          if (!g.contains(i + s[0], j + s[1], k + s[2]) || labels(i + s[0], j + s[1], k + s[2]) != tag(beyond))
-            continue;
-          touches = true;
-          across += lps_from_axes(g, {static_cast<double>(s[0]), static_cast<double>(s[1]), static_cast<double>(s[2])});
-        }
-        if (touches) points.push_back(voxel_center(g, g.offset(i, j, k)));
-      }
-  if (points.size() < least_voxels || norm(across) < 1e-6) return std::nullopt;
-  Opening opening{mean_of(points), normalized(across)};
-  for (const Vec3& p : points) opening.radius_mm = std::max(opening.radius_mm, norm(p - opening.center_mm));
-  return opening;
-}
-
-std::map<std::string, Opening> openings_of(const LabelVolume& labels, const Landmarks& landmarks) {
-  struct Valve {
-    const char* name;
-    Region ventricle, beyond;
-  };
-  constexpr std::array<Valve, 4> valves{{{"mitral", Region::lv_blood, Region::la_blood},
-                                         {"aortic", Region::lv_blood, Region::aorta},
-                                         {"tricuspid", Region::rv_blood, Region::ra_blood},
-                                         {"pulmonary", Region::rv_blood, Region::pulmonary_artery}}};
-  std::map<std::string, Opening> openings;
-  for (const Valve& valve : valves) {
-    if (const auto known = landmarks.valves.find(valve.name); known != landmarks.valves.end())
-      openings[valve.name] = {known->second.center_mm, known->second.normal, known->second.radius_mm};
-    else if (const auto found = contact_disc(labels, valve.ventricle, valve.beyond))
-      openings[valve.name] = *found;
-  }
-  return openings;
-}
-
-/// How far to the side of a valve the muscle still ends at it, as at a cut. The fibrous plate of an inlet closes the
-/// whole base, but farther out only a slab says so: beyond that height other walls may stand there. A root is a tube in
-/// its own wall, and what it does not cover has an outer surface towards its neighbours.
-bool lies_beyond(const Opening& opening, bool inlet, const Vec3& p) {
-  constexpr double inlet_rim_mm = 12, plate_rim_mm = 30, plate_height_mm = 6, root_rim_mm = 4;
-  const Vec3 d = p - opening.center_mm;
-  const double height = dot(d, opening.normal);
-  if (height <= 0) return false;
-  const double outside_mm = norm(d - height * opening.normal) - opening.radius_mm;
-  if (!inlet) return outside_mm < root_rim_mm;
-  return outside_mm < inlet_rim_mm || (outside_mm < plate_rim_mm && height < plate_height_mm);
-}
-
-/// Only what lies beyond a valve is no epicardium: muscle that faces it ends there as at a cut. Where atria and vessels
-/// lie upon a ventricle, its wall has its outer surface like anywhere else.
-void close_base(Volume<std::uint8_t>& parts, const std::map<std::string, Opening>& openings) {
-  const auto beyond = [&](const Vec3& p) {
-    return std::any_of(openings.begin(), openings.end(), [&](const auto& named) {
-      return lies_beyond(named.second, named.first == "mitral" || named.first == "tricuspid", p);
-    });
-  };
-  parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t v = begin; v < end; ++v) {
-      auto& part = parts.voxels[static_cast<std::size_t>(v)];
-      if (is(part, Part::outside) || is(part, Part::other))
-        part = tag(beyond(voxel_center(parts.grid, v)) ? Part::other : Part::outside);
-    }
-  });
 }
 
 /// Direction of the left ventricle's largest extent, from the blood's side (base) to the wall's side (apex).
@@ -372,7 +293,11 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   Ventricles result;
   result.label_spacing_mm = std::cbrt(voxel.x * voxel.y * voxel.z);
   result.parts = resampled(parts_of_labels(papillary_as_blood(labels)), grid);
-  if (atria) close_base(result.parts, openings_of(labels, landmarks));
+  if (atria) {
+    const auto openings = openings_of(labels, landmarks);
+    close_base(result.parts, openings);
+    result.beyond = blood_beyond(labels, grid, openings);
+  }
   Vec3 normal = rough_axis(labels);
   const Vec3 base = patient_base_point(labels, landmarks, normal);
   // The atlas is cut across its long axis; so is the patient, hence the plane follows the axis found under it.
@@ -386,8 +311,11 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
         cut_plane(result.parts, normal).value_or(CutPlane{result.frame.base_point_mm, result.frame.base_normal});
     mirror_above_base(result.parts, cut.point_mm, cut.normal);
   }
-  if (std::max({voxel.x, voxel.y, voxel.z}) <= trabeculae_resolved_mm)
-    for (const Part wall : {Part::lv_wall, Part::rv_wall}) give_trabeculae_to_cavity(result.parts, wall);
+  if (std::max({voxel.x, voxel.y, voxel.z}) > trabeculae_resolved_mm) return result;
+  result.trabeculae = mask_where(result.parts, is_wall);
+  for (const Part wall : {Part::lv_wall, Part::rv_wall}) give_trabeculae_to_cavity(result.parts, wall);
+  for (std::size_t v = 0; v < result.parts.voxels.size(); ++v)
+    if (is_wall(result.parts.voxels[v])) result.trabeculae.voxels[v] = 0;
   return result;
 }
 

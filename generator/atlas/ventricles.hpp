@@ -36,6 +36,9 @@ struct Ventricles {
   Volume<std::uint8_t> parts;  ///< tags of Part; isotropic, identity direction; goes on above the base, so that walls
                                ///< end there neither at an endocardium nor at an epicardium
   HeartFrame frame;
+  Mask trabeculae;  ///< 1 where a voxel of a cavity is a ridge of its wall; empty where labels are too coarse for them
+  Volume<std::uint8_t> beyond;  ///< lv_cavity or rv_cavity where blood beyond a valve goes on through its orifice, else
+                                ///< outside; empty where no valves are known
   double label_spacing_mm = 0;  ///< of the labels that the parts come from: how coarse their steps are; 0: as the parts
 };
 

@@ -11,6 +11,7 @@
 #include "generator/app/contours_command.hpp"
 #include "generator/app/fiber_accuracy_command.hpp"
 #include "generator/app/improve_command.hpp"
+#include "generator/app/inpaint_command.hpp"
 #include "generator/app/place_command.hpp"
 #include "generator/app/segment_command.hpp"
 #include "generator/app/slice_command.hpp"
@@ -32,6 +33,7 @@ struct Program {
   SegmentCommand segment{};
   MeshCommand mesh{};
   ImproveCommand improve{};
+  InpaintCommand inpaint{};
   TransferCommand transfer{};
   PlaceCommand place{};
   SliceCommand slice{};

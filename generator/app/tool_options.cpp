@@ -121,6 +121,22 @@ void add_improve(Program& p) {
   sub->add_flag("--json", c.json, "print as JSON");
 }
 
+void add_inpaint(Program& p) {
+  auto* sub = subcommand(p, "inpaint", "Fill the gaps in an image of fibre axes by total variation",
+                         "heartgen inpaint fibers filled --labels labels.nii.gz",
+                         [&p] { return inpaint_command(p.inpaint, p.comm); });
+  sub->add_option("input", p.inpaint.input, "folder with fiber_x.nrrd, fiber_y.nrrd, fiber_z.nrrd; 0 0 0: a gap")
+      ->required();
+  sub->add_option("output", p.inpaint.output, "folder for the same, filled")->required();
+  sub->add_option("--labels", p.inpaint.labels, "label map with the tags of a bundle's manifest, on the same grid")
+      ->required();
+  sub->add_option("--regions", p.inpaint.regions, "what is filled (default lv_myocardium,rv_myocardium)")
+      ->delimiter(',');
+  sub->add_option("--iterations", p.inpaint.iterations, "Jacobi sweeps (default 200)");
+  sub->add_option("--threads", p.threads, "threads per process (default: all)");
+  sub->add_flag("--json", p.inpaint.json, "print the counts as JSON");
+}
+
 }  // namespace
 
 void add_tool_options(Program& p) {
@@ -129,6 +145,7 @@ void add_tool_options(Program& p) {
   add_contours(p);
   add_slice(p);
   add_improve(p);
+  add_inpaint(p);
 }
 
 }  // namespace heart::app

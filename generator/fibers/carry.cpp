@@ -9,6 +9,7 @@
 
 #include "generator/atlas/distance_map.hpp"
 #include "generator/fibers/atrial_rule.hpp"
+#include "generator/fibers/even_junction.hpp"
 #include "generator/fibers/frame.hpp"
 #include "generator/fibers/hearts.hpp"
 #include "generator/fibers/inpaint.hpp"
@@ -24,6 +25,7 @@ namespace {
 
 using atlas::AxisTensor;
 
+constexpr int junction_sweeps = 30;      // a junction is a few nodes wide; twice as many change its turns by a tenth
 constexpr double reach_of_atlas_mm = 8;  // farther from every sample, a carried axis counts as inpainted
 
 /// What each node of the mesh belongs to.
@@ -81,7 +83,8 @@ Vec3 radial(const atlas::HeartFrame& frame, const Vec3& point_mm) {
   return norm(r) > 1e-6 ? normalized(r) : frame.rv_side;
 }
 
-/// Fibre axes and wall normals of the ventricles' nodes; what could not be carried is inpainted along the mesh's edges.
+/// Fibre axes and wall normals of the ventricles' nodes; what could not be carried is inpainted along the mesh's edges,
+/// and where the two walls are blended the axes turn evenly from the one's to the other's.
 void set_ventricles(const Hearts& hearts, const TetMesh& mesh, const NodeKinds& kinds, const PointWalls& walls,
                     std::vector<AxisTensor> axes, int iterations, NodeDirections& directions, FiberResult& result) {
   std::vector<std::uint8_t> missing(axes.size()), use(mesh.cells.size());
@@ -95,8 +98,11 @@ void set_ventricles(const Hearts& hearts, const TetMesh& mesh, const NodeKinds& 
   }
   for (std::size_t c = 0; c < use.size(); ++c)
     use[c] = mesh.region[c] == tag(Region::lv_myocardium) || mesh.region[c] == tag(Region::rv_myocardium);
-  if (std::find(missing.begin(), missing.end(), 1) != missing.end())
-    inpaint_axes(edge_graph(mesh, use), iterations, axes, missing);
+  const auto edges = edge_graph(mesh, use);
+  if (std::find(missing.begin(), missing.end(), 1) != missing.end()) inpaint_axes(edges, iterations, axes, missing);
+  std::vector<std::uint8_t> blended(axes.size());
+  for (std::size_t n = 0; n < axes.size(); ++n) blended[n] = kinds.ventricle[n] && walls.is_blended(n);
+  relax_axes(edges, blended, junction_sweeps, axes);
   for (std::size_t n = 0; n < axes.size(); ++n) {
     if (!kinds.ventricle[n]) continue;
     directions.fiber[n] = atlas::leading_axis(axes[n]);

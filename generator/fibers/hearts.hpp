@@ -40,6 +40,7 @@ struct PointWalls {
   std::vector<std::uint8_t> known;  ///< 0: too far from both walls
   std::vector<atlas::WallPoint> lv, rv;
   const atlas::WallPoint& main(std::size_t n) const { return left_share[n] >= 0.5 ? lv[n] : rv[n]; }
+  bool is_blended(std::size_t n) const { return known[n] && left_share[n] > 0 && left_share[n] < 1; }
 };
 PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
                        const std::vector<std::uint8_t>& wanted);

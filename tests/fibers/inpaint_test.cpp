@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "generator/fibers/even_junction.hpp"
 #include "generator/fibers/inpaint_grid.hpp"
 #include "generator/parallel/threads.hpp"
 #include "support/model_heart.hpp"
@@ -70,6 +71,63 @@ TEST(InpaintMesh, SameBitsForAnyNumberOfThreads) {
   fill(many, 50);
   parallel::set_thread_count(before);
   for (std::size_t n = 0; n < one.axes.size(); ++n) ASSERT_EQ(one.axes[n].c, many.axes[n].c);
+}
+
+/// A chain of elements 1 mm apart: the first along x, the last 80 degrees off it, `between` of them blended.
+struct Chain {
+  NeighborGraph graph;
+  std::vector<AxisTensor> axes;
+  std::vector<std::uint8_t> blended;
+};
+
+Chain chain_of(std::size_t between) {
+  constexpr double end = 80 * 3.14159265358979323846 / 180;
+  Chain chain;
+  chain.graph.start = {0};
+  const std::size_t count = between + 2;
+  for (std::size_t e = 0; e < count; ++e) {
+    if (e > 0) chain.graph.neighbor.push_back(static_cast<std::int32_t>(e - 1));
+    if (e + 1 < count) chain.graph.neighbor.push_back(static_cast<std::int32_t>(e + 1));
+    chain.graph.start.push_back(static_cast<std::int64_t>(chain.graph.neighbor.size()));
+    const double share = static_cast<double>(e) / static_cast<double>(count - 1);
+    chain.axes.push_back((1 - share) * atlas::axis_tensor({1, 0, 0}) +
+                         share * atlas::axis_tensor({std::cos(end), std::sin(end), 0}));
+    chain.blended.push_back(e > 0 && e + 1 < count);
+  }
+  chain.graph.distance_mm.assign(chain.graph.neighbor.size(), 1);
+  return chain;
+}
+
+double largest_turn_deg(const Chain& chain) {
+  double largest = 0;
+  for (std::size_t e = 1; e < chain.axes.size(); ++e)
+    largest = std::max(
+        largest, testing::axis_angle_deg(atlas::leading_axis(chain.axes[e - 1]), atlas::leading_axis(chain.axes[e])));
+  return largest;
+}
+
+TEST(RelaxAxes, ABlendOfCrossedAxesTurnsEvenlyAndItsEndsHold) {
+  Chain chain = chain_of(7);
+  ASSERT_GT(largest_turn_deg(chain), 25);  // the mean of dyads flips in the middle
+  const auto first = chain.axes.front(), last = chain.axes.back();
+  relax_axes(chain.graph, chain.blended, 2000, chain.axes);
+  EXPECT_NEAR(largest_turn_deg(chain), 10, 1e-3);  // 80 degrees over 8 edges
+  EXPECT_EQ(chain.axes.front().c, first.c);
+  EXPECT_EQ(chain.axes.back().c, last.c);
+}
+
+TEST(RelaxAxes, SameBitsForAnyNumberOfThreadsAndZerosStay) {
+  const int before = parallel::thread_count();
+  Chain one = chain_of(40);
+  one.axes[20] = {};
+  Chain many = one;
+  parallel::set_thread_count(1);
+  relax_axes(one.graph, one.blended, 30, one.axes);
+  parallel::set_thread_count(5);
+  relax_axes(many.graph, many.blended, 30, many.axes);
+  parallel::set_thread_count(before);
+  for (std::size_t e = 0; e < one.axes.size(); ++e) ASSERT_EQ(one.axes[e].c, many.axes[e].c);
+  EXPECT_EQ(one.axes[20].c, AxisTensor{}.c);
 }
 
 /// A tilted field in a ball, unknown in a shell through it; the ball touches the image's border.

@@ -1,0 +1,19 @@
+// The ventricles' fibres where their walls meet. Between two walls' axes that stand nearly at right angles to one
+// another the mean of their dyads flips within an edge; relaxed as unit axes they turn over the whole width in which
+// the walls are blended. Not collective; the same bits for any number of threads.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "generator/atlas/axis_tensor.hpp"
+#include "generator/fibers/inpaint.hpp"
+
+namespace heart::fibers {
+
+/// Harmonic map to axes: the dyads of elements with blended[e] != 0 become those of the leading axis of their own and
+/// their neighbours' mean, weighted by the inverse square of the distance, in `iterations` Jacobi sweeps. The others
+/// hold; zero tensors do not count and stay.
+void relax_axes(const NeighborGraph& graph, const std::vector<std::uint8_t>& blended, int iterations,
+                std::vector<atlas::AxisTensor>& axes);
+
+}  // namespace heart::fibers

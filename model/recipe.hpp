@@ -19,6 +19,7 @@ struct InputSettings {
   std::string label_names;  // names of their values (.csv or .json); empty: those in the file, or the preset's
   std::string landmarks;    // JSON file with seeds and valve planes; the [landmarks] section overrides it
   std::string carotid;      // separate angiogram for the carotid mesh; empty: none
+  std::string size_field;   // image of wanted edge lengths (mm) for heart and torso, 0: those of [mesh]; empty: none
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -29,6 +30,8 @@ struct InputSettings {
       "names of the labels' values (.csv or .json); empty: the file's own or the preset's");
     v("landmarks", s.landmarks, "JSON file with seeds and valve planes");
     v("carotid", s.carotid, "angiogram for the carotid mesh; empty: none");
+    v("size_field", s.size_field,
+      "image of edge lengths (mm) for the mesh of heart and torso, 0 where those of [mesh] hold; empty: none");
   }
 };
 

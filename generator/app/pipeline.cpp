@@ -90,8 +90,15 @@ Vec3 carotid_seed(const Recipe& recipe) {
   return seed->second;
 }
 
+Meshes heart_meshes(const Recipe& recipe, const LabelVolume& labels) {
+  if (recipe.input.size_field.empty()) return mesh::mesh_heart(labels, recipe.mesh);
+  auto own_edges_mm = adapters::read_image(recipe.input.size_field);
+  own_edges_mm.grid = grid_in_bundle(recipe, own_edges_mm.grid);
+  return mesh::mesh_heart(labels, recipe.mesh, &own_edges_mm);
+}
+
 Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels, const Grid* torso_grid) {
-  Meshes meshes = mesh::mesh_heart(labels, recipe.mesh);
+  Meshes meshes = heart_meshes(recipe, labels);
   if (torso_grid != nullptr && meshes.contains("torso")) label_torso_cuts(meshes.at("torso"), *torso_grid);
   if (wants(recipe, "trachea") && labels::holds(labels, Region::trachea))
     meshes["trachea"] = mesh::mesh_vessel(region_mask(labels, Region::trachea), Region::trachea, recipe.mesh);
@@ -382,7 +389,8 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   const bool has_torso = recipe.torso.is_given();
   const LabelVolume& labels = has_torso ? around->labels : *heart;
   const auto& labels_key = has_torso ? around.key : heart.key;
-  const auto meshes = run.root_stage("mesh", {labels_key, hash_of(inputs, "carotid"), mesh_section(recipe)}, [&] {
+  const auto mesh_inputs = hash_of(inputs, "carotid") + hash_of(inputs, "size_field");
+  const auto meshes = run.root_stage("mesh", {labels_key, mesh_inputs, mesh_section(recipe)}, [&] {
     return make_meshes(recipe, labels, has_torso ? &around->torso_grid : nullptr);
   });
   const auto fibers = run.root_stage(

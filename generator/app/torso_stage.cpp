@@ -178,6 +178,11 @@ Landmarks landmarks_in_bundle(const Recipe& recipe) {
   return moved(recipe.landmarks, map_of(recipe.torso.torso_from_heart));
 }
 
+Grid grid_in_bundle(const Recipe& recipe, const Grid& of_heart) {
+  if (recipe.torso.frame != "torso") return of_heart;
+  return moved(of_heart, map_of(recipe.torso.torso_from_heart));
+}
+
 Grid moved(const Grid& grid, const adapters::AffineMap& map) {
   const double scale = scale_of(map);
   Grid result = grid;

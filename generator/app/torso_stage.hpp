@@ -35,8 +35,9 @@ inline auto members(TorsoAround& t) {
 Staged<TorsoAround> surround(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid, Recipe& recipe,
                              const std::string& torso_hash, std::vector<std::string>& remarks);
 
-/// The recipe's landmarks, which stay in the frame of the heart's image, in that of the bundle.
+/// The recipe's landmarks, and a grid, which stay in the frame of the heart's image, in that of the bundle.
 Landmarks landmarks_in_bundle(const Recipe& recipe);
+Grid grid_in_bundle(const Recipe& recipe, const Grid& of_heart);
 
 /// A grid, and landmarks, after rotation, shift and one scale.
 Grid moved(const Grid& grid, const adapters::AffineMap& map);

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -30,12 +32,22 @@ class AnotherTorso : public ::testing::Test {
                             folder().string())
               .exit_code,
           0);
+    write_size_field();
     build("in_heart", "frame = \"heart\"");
+  }
+
+  /// Edges of 2 mm below the middle of the image, in its frame.
+  static void write_size_field() {
+    const auto labels = adapters::read_labels((folder() / "patient/truth/labels.nii.gz").string());
+    Volume<float> edges_mm(labels.grid, 0);
+    std::fill_n(edges_mm.voxels.begin(), edges_mm.voxels.size() / 2, 2.0F);
+    adapters::write_volume((folder() / "edges.nii.gz").string(), edges_mm);
   }
 
   static void build(const std::string& name, const std::string& torso) {
     std::ofstream(folder() / (name + ".toml"))
-        << "[input]\nlabels = \"patient/truth/labels.nii.gz\"\n[torso]\nlabels = \"other/truth/labels.nii.gz\"\n"
+        << "[input]\nlabels = \"patient/truth/labels.nii.gz\"\nsize_field = \"edges.nii.gz\"\n"
+        << "[torso]\nlabels = \"other/truth/labels.nii.gz\"\n"
         << torso << "\n[mesh]\nmeshes = [\"myocardium\", \"torso\"]\n"
         << "heart_edge_mm = 3\nblood_edge_mm = 8\ntorso_edge_mm = 24\n";
     const auto run =
@@ -77,6 +89,26 @@ TEST_F(AnotherTorso, HeartAndTorsoAreOneMeshAndThePoseIsKept) {
     ASSERT_EQ(heart.nodes_mm[n], torso.nodes_mm[static_cast<std::size_t>(heart.parent_node[n])]);
   EXPECT_GT(manifest.meshes.at("torso").surfaces.at("fov_cut"), 20) << "the other's image ends in the body";
   EXPECT_GT(manifest.meshes.at("torso").regions.at("lung"), 100);
+}
+
+TEST_F(AnotherTorso, TheUsersSizeFieldIsInTheMeshAndInTheManifest) {
+  const auto heart = exporters::read_mesh(folder() / "in_heart", "myocardium");
+  const auto labels = adapters::read_labels((folder() / "patient/truth/labels.nii.gz").string());
+  const auto middle = static_cast<double>(labels.grid.size[2]) / 2;
+  constexpr double clear = 4;  // voxels: sizes change gradually
+  std::array<double, 2> volume{}, count{};
+  for (const auto& cell : heart.cells) {
+    const auto at = [&](std::size_t i) { return heart.nodes_mm[static_cast<std::size_t>(cell[i])]; };
+    const double k = index_from_lps(labels.grid, (at(0) + at(1) + at(2) + at(3)) / 4).z;
+    if (std::abs(k - middle) < clear) continue;
+    const std::size_t upper = k > middle;
+    volume[upper] += dot(at(1) - at(0), cross(at(2) - at(0), at(3) - at(0))) / 6;
+    ++count[upper];
+  }
+  EXPECT_GT(volume[1] / count[1], 1.8 * volume[0] / count[0]) << "edges of 3 mm above, of 2 mm below";
+  const auto inputs = exporters::read_manifest(folder() / "in_heart").inputs;
+  EXPECT_TRUE(
+      std::any_of(inputs.begin(), inputs.end(), [](const auto& i) { return i.name == "size_field: edges.nii.gz"; }));
 }
 
 /// With the pose that the first bundle has recorded.

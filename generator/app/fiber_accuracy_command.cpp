@@ -101,13 +101,8 @@ atlas::AtlasImage phantom_atlas(double spacing_mm, HelixField field) {
   const auto model = datasets::make_heart_model();
   const auto marks = datasets::landmarks_of(model);
   const auto labels = exact_labels(model, marks, spacing_mm);
-  Volume<Vec3> fiber(labels.grid);
-  parallel::parallel_for(0, labels.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
-    for (auto v = static_cast<std::size_t>(begin); v < static_cast<std::size_t>(end); ++v)
-      if (labels.voxels[v] == tag(Region::lv_myocardium) || labels.voxels[v] == tag(Region::rv_myocardium))
-        fiber.voxels[v] = datasets::fiber_at(model, center_of(labels.grid, v), field);
-  });
-  return atlas::image_of_labels(labels, fiber, marks, spacing_mm);
+  return atlas::image_of_labels(
+      labels, [&](const Vec3& p) { return datasets::fiber_at(model, p, field); }, marks, spacing_mm);
 }
 
 Mat3 turned_about(const Vec3& unit, double angle_deg) {

@@ -327,19 +327,18 @@ std::optional<double> heart_handedness(const LabelVolume& labels, const Landmark
   return dot(across, normalized(outflow->second.center_mm - inflow->second.center_mm));
 }
 
-AtlasImage image_of_labels(const LabelVolume& labels, const Volume<Vec3>& fiber, const Landmarks& landmarks,
-                           double spacing_mm) {
+AtlasImage image_of_labels(const LabelVolume& labels, const std::function<Vec3(const Vec3& lps_mm)>& fiber_at,
+                           const Landmarks& landmarks, double spacing_mm) {
   AtlasImage image;
   image.ventricles = ventricles_of_labels(labels, landmarks, spacing_mm);
   const auto& parts = image.ventricles.parts;
   image.fiber = Volume<Vec3>(parts.grid);
-  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
-    const Vec3 p = voxel_center(parts.grid, static_cast<std::int64_t>(v));
-    if (!is_wall(parts.voxels[v])) continue;
-    const Vec3 index = index_from_lps(fiber.grid, p);
-    const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
-    if (fiber.grid.contains(i, j, k)) image.fiber.voxels[v] = normalized(fiber(i, j, k));
-  }
+  parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v) {
+      const auto at = static_cast<std::size_t>(v);
+      if (is_wall(parts.voxels[at])) image.fiber.voxels[at] = normalized(fiber_at(voxel_center(parts.grid, v)));
+    }
+  });
   return image;
 }
 

@@ -1,6 +1,7 @@
 // The two ventricles as a label image with an anatomical frame: the common language of patient and atlas.
 // Not collective; the same bits for any number of threads.
 #pragma once
+#include <functional>
 #include <optional>
 
 #include "generator/atlas/atlas.hpp"
@@ -67,10 +68,10 @@ struct AtlasImage {
   Mask mixed;          ///< 1 where the file itself mixes both ventricles' axes; empty where it nowhere does
 };
 
-/// An atlas given as an image: labels (tags of labels.hpp, chambers included) and axes on the same grid, zero where
-/// unknown. Treated like a patient. Throws UserError when a ventricle is missing.
-AtlasImage image_of_labels(const LabelVolume& labels, const Volume<Vec3>& fiber, const Landmarks& landmarks,
-                           double spacing_mm);
+/// An atlas given by its labels (tags of labels.hpp, chambers included) and its axis at any place, zero where unknown;
+/// called from several threads. Treated like a patient. Throws UserError when a ventricle is missing.
+AtlasImage image_of_labels(const LabelVolume& labels, const std::function<Vec3(const Vec3& lps_mm)>& fiber_at,
+                           const Landmarks& landmarks, double spacing_mm);
 
 /// Fills the mesh's cavities, tells the ventricles apart by the thickness of their walls, and cuts where the cavities
 /// are no longer enclosed. The frame and the size are the atlas's own (standard_pose.hpp). Throws UserError when there

@@ -70,15 +70,12 @@ TEST(HeartHandedness, TellsAMirroredHeartWhateverItsPose) {
 
 TEST(HeartHandedness, AMirroredPatientIsRefusedByName) {
   const auto heart = labelled_heart(0, 3);
-  Volume<Vec3> fiber(heart.labels.grid);
-  for (std::size_t v = 0; v < fiber.voxels.size(); ++v)
-    if (heart.labels.voxels[v] == tag(Region::lv_myocardium) || heart.labels.voxels[v] == tag(Region::rv_myocardium))
-      fiber.voxels[v] = datasets::fiber_at(heart.model, atlas::voxel_center(fiber.grid, static_cast<std::int64_t>(v)));
+  const auto fiber_at = [&](const Vec3& p) { return datasets::fiber_at(heart.model, p); };
   FiberSettings settings;
   settings.grid_mm = settings.depth_grid_mm = 3;
   try {
-    fibers::prepare_hearts(mirrored(heart.labels), {}, atlas::image_of_labels(heart.labels, fiber, heart.landmarks, 3),
-                           "phantom", settings);
+    fibers::prepare_hearts(mirrored(heart.labels), {},
+                           atlas::image_of_labels(heart.labels, fiber_at, heart.landmarks, 3), "phantom", settings);
     FAIL() << "a mirrored heart was accepted";
   } catch (const UserError& error) {
     EXPECT_NE(std::string(error.what()).find("the heart is mirrored"), std::string::npos) << error.what();

@@ -114,17 +114,19 @@ void put_back(Complex& c, Place& place, const Complex& repaired) {
   }
 }
 
+// The worst first.
 std::vector<std::int32_t> cells_below(const Complex& c, double enough) {
   std::vector<std::int32_t> bad;
   for (std::size_t i = 0; i < c.quality.size(); ++i)
     if (static_cast<double>(c.quality[i]) < enough) bad.push_back(static_cast<std::int32_t>(i));
+  std::stable_sort(bad.begin(), bad.end(), [&](auto a, auto b) { return c.quality_of(a) < c.quality_of(b); });
   return bad;
 }
 
 }  // namespace
 
 std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough) {
-  constexpr std::size_t most_cells = 100;  // more are not a few: the whole has to be made in another way
+  constexpr std::size_t most_cells = 30;  // more are not a few: the whole has to be made in another way
   const auto bad = cells_below(complex, enough);
   if (bad.size() > most_cells) return static_cast<std::int64_t>(bad.size());
   for (const auto id : bad) {
@@ -132,6 +134,7 @@ std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSe
     auto place = place_around(complex, id);
     const auto repaired = best_repair(place.part, materials, settings, enough);
     if (worst_of(repaired) > worst_of(place.part)) put_back(complex, place, repaired);
+    if (worst_of(repaired) < enough) break;  // nothing makes the whole good enough now
   }
   return static_cast<std::int64_t>(cells_below(complex, enough).size());
 }

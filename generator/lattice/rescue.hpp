@@ -9,7 +9,8 @@
 
 namespace heart::lattice {
 
-/// Works on the cells below `enough`; what they end with is never worse. Returns how many of them are left. Needs
+/// Works on the cells below `enough`, the worst first, until one cannot be raised to that: the whole is then as good as
+/// its worst cell whatever the others do. What they end with is never worse. Returns how many of them are left. Needs
 /// `touches` to be what the cells make them (derive_touches). The same result for any number of threads.
 std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough);
 

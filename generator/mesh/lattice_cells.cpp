@@ -92,12 +92,14 @@ Attempt attempt(const lattice::Materials& materials, double reach, std::span<con
   made.below_goal = lattice::repair(made.complex, materials, repairing);
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, repairing.least);
+  watch.note("balance");
   lattice::rescue(made.complex, materials, repairing, aims.enough);
+  watch.note("rescue");
   made.meeting = lattice::separate_sheets(made.complex, materials, repairing.least);
   lattice::compress(made.complex);
   made.worst = 1;
   for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));
-  watch.note("balance");
+  watch.note("separate");
   return made;
 }
 

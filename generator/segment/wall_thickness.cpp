@@ -10,6 +10,8 @@
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
+#include "generator/segment/wall_band.hpp"
+#include "model/corners.hpp"
 
 namespace heart::segment {
 namespace {
@@ -24,19 +26,6 @@ constexpr std::size_t bins = 30;
 constexpr double bin_mm = 2 * band_mm / bins;
 
 using Corners = std::array<std::pair<std::size_t, float>, 8>;
-
-Vec3 gradient(const Volume<float>& f, const Index3& at) {
-  Vec3 slope;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    Index3 low = at, high = at;
-    low[axis] = std::max<std::int64_t>(low[axis] - 1, 0);
-    high[axis] = std::min(high[axis] + 1, f.grid.size[axis] - 1);
-    const double step = static_cast<double>(high[axis] - low[axis]) * f.grid.spacing_mm[static_cast<int>(axis)];
-    slope[static_cast<int>(axis)] =
-        static_cast<double>(f(high[0], high[1], high[2]) - f(low[0], low[1], low[2])) / step;
-  }
-  return slope;
-}
 
 /// Places: a lattice of cells over the image; a voxel belongs to where its normal meets the end of the mean wall.
 struct Places {
@@ -73,17 +62,10 @@ struct Places {
   /// Cells around a place with their weights of linear interpolation.
   Corners corners(const Vec3& place) const {
     Corners result;
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      double weight = 1;
-      Index3 cell;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double low = std::floor(place[static_cast<int>(axis)]), t = place[static_cast<int>(axis)] - low;
-        const bool upper = ((corner >> axis) & 1U) != 0;
-        cell[axis] = static_cast<std::int64_t>(low) + (upper ? 1 : 0);
-        weight *= upper ? t : 1 - t;
-      }
-      result[corner] = {static_cast<std::size_t>(grid.offset(cell[0], cell[1], cell[2])), static_cast<float>(weight)};
-    }
+    std::size_t corner = 0;
+    for_corners(place, [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
+      result[corner++] = {static_cast<std::size_t>(grid.offset(i, j, k)), static_cast<float>(weight)};
+    });
     return result;
   }
 };

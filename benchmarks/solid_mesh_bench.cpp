@@ -13,6 +13,7 @@
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/octree.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/mesh/solid.hpp"
@@ -81,15 +82,15 @@ double level_set_volume(const LevelSet& solid) {
 
 /// Cells that the lattice puts into the solid, from its volume at each level of the octree.
 double expected_cells(const LevelSet& solid, double edge_mm) {
-  constexpr double cells_per_cube = 13.5, mean_edge = 0.9235, coarser_from = 1.41;
-  const double cube = edge_mm / mean_edge;
+  constexpr double coarser_from = 1.41;
+  const double cube = edge_mm / lattice::mean_edge_per_cell;
   double sum = 0;
   for (const float value : solid.voxels) {
     if (value > 0) continue;
     double size = cube;
     const double wanted = (1 + growth * std::max(0.0, -static_cast<double>(value) / edge_mm - 1)) * cube;
     while (wanted > coarser_from * size) size *= 2;
-    sum += cells_per_cube / (size * size * size);
+    sum += lattice::cells_per_cube / (size * size * size);
   }
   return sum * solid.grid.voxel_volume_mm3();
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "generator/fibers/transfer.hpp"
+#include "generator/lattice/octree.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -64,10 +65,10 @@ double estimate_bytes(const LabelVolume& labels, double edge_mm) {
   const auto& h = labels.grid.spacing_mm;
   const double wall_mm3 = walls * h.x * h.y * h.z, blood_mm3 = blood * h.x * h.y * h.z;
   // The blood's cells grow from the walls' on: those near count like an area over the square of the edge.
-  constexpr double cells_per_cube = 13.5, cells_per_square = 25, bytes_per_cell = 900;
+  constexpr double cells_per_square = 25, bytes_per_cell = 900;
   const double area_mm2 = 4 * std::pow(wall_mm3 + blood_mm3, 2.0 / 3);
   const double cells =
-      cells_per_cube * wall_mm3 / std::pow(edge_mm, 3) + cells_per_square * area_mm2 / std::pow(edge_mm, 2);
+      lattice::cells_per_cube * wall_mm3 / std::pow(edge_mm, 3) + cells_per_square * area_mm2 / std::pow(edge_mm, 2);
   return bytes_per_cell * cells;
 }
 

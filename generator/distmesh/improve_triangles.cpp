@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "generator/lattice/feature.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::distmesh {
 namespace {
@@ -70,8 +71,7 @@ struct Improver {
   Score score_of(const std::vector<std::int32_t>& nodes) const {
     std::vector<std::int32_t> triangles;
     for (const auto n : nodes) triangles.insert(triangles.end(), star(n).begin(), star(n).end());
-    std::sort(triangles.begin(), triangles.end());
-    triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+    sort_unique(triangles);
     Score score;
     for (const auto t : triangles) {
       const double q = quality(mesh, t), lack = std::max(0.0, goal + 0.002 - q);
@@ -165,8 +165,7 @@ struct Improver {
       const auto more = neighbours(mesh, n);
       nodes.insert(nodes.end(), more.begin(), more.end());
     }
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sort_unique(nodes);
     return nodes;
   }
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "generator/lattice/octree.hpp"
+
 namespace heart::distmesh {
 namespace {
 
@@ -21,16 +23,14 @@ double uniform(std::int64_t i, std::int64_t j, std::int64_t k, std::int64_t salt
   return static_cast<double>(state >> 11U) * 0x1.0p-53;
 }
 
-/// A lattice whose mean edge is `width`: equilateral triangles, or body-centred cubes (8 edges of sqrt(3)/2 and 6 of 1
-/// at each node of a cube of 1).
+/// A lattice whose mean edge is `width`: equilateral triangles, or body-centred cubes.
 struct Lattice {
   Vec3 origin, step;  // of its rows
   std::array<std::int64_t, 3> count{1, 1, 1};
   Dimension dimension;
 
   Lattice(const Materials& m, Dimension d, double width) : dimension(d) {
-    constexpr double mean_edge_per_cube = 0.9235;
-    const double cube = width / mean_edge_per_cube;
+    const double cube = width / lattice::mean_edge_per_cell;
     step = d == Dimension::two ? Vec3{width, width * std::sqrt(3.0) / 2, 1} : Vec3{cube, cube, cube / 2};
     for (int axis = 0; axis < static_cast<int>(d); ++axis) {
       const double length = m.box_max_mm[axis] - m.box_min_mm[axis];

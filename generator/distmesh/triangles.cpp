@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "model/sort_unique.hpp"
+
 namespace heart::distmesh {
 
 double quality(const Triangles& mesh, std::int32_t triangle) {
@@ -59,8 +61,7 @@ std::vector<std::int32_t> neighbours(const Triangles& mesh, std::int32_t node) {
   for (const auto t : mesh.star[static_cast<std::size_t>(node)])
     for (const auto n : mesh.triangle(t))
       if (n != node) result.push_back(n);
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

@@ -153,6 +153,10 @@ Background make_background(const Octree& tree) {
   builder.corner_node.assign(corners, -1);
   builder.is_corner.assign(corners, false);
   mark_corners(builder);
+  // Memory that is asked for but not written costs nothing; growing vectors would hold two copies.
+  constexpr std::size_t most_cells_per_leaf = 16, most_nodes_per_leaf = 3;
+  builder.result.cells.reserve(most_cells_per_leaf * tree.leaves.size());
+  builder.result.nodes_mm.reserve(most_nodes_per_leaf * tree.leaves.size());
   for (const auto& leaf : tree.leaves) add_leaf(builder, leaf);
   return std::move(builder.result);
 }

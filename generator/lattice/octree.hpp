@@ -35,6 +35,9 @@ struct Octree {
 /// Mean edge of a BCC lattice whose cubes have edges of length 1 (8 edges of sqrt(3)/2 and 6 of 1 at each node).
 constexpr double mean_edge_per_cell = 0.9235;
 
+/// Cells for each cube of the lattice inside a body: 12, and what the surface adds at usual sizes.
+constexpr double cells_per_cube = 13.5;
+
 /// Leaves are as large as `edge_mm` allows: the mean edge of the lattice is about it, between 0.7 and 1.4 of it.
 /// `finest_edge_mm` is the smallest value of edge_mm.
 Octree make_octree(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,

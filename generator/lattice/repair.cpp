@@ -8,6 +8,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/noise.hpp"
 #include "generator/lattice/smooth.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -26,8 +27,7 @@ std::vector<std::int32_t> nodes_around(const Complex& c, const Cell& cell) {
   std::vector<std::int32_t> nodes;
   for (const auto corner : cell)
     for (const auto t : c.star(corner)) nodes.insert(nodes.end(), c.cell(t).begin(), c.cell(t).end());
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 
@@ -95,8 +95,7 @@ struct Shaker {
       const auto star = s.complex->star(n);
       cells.insert(cells.end(), star.begin(), star.end());
     }
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    sort_unique(cells);
     keep();
   }
   void keep() {

@@ -7,6 +7,7 @@
 
 #include "generator/parallel/threads.hpp"
 #include "model/face_tree.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -107,8 +108,7 @@ std::vector<std::pair<std::int32_t, Vec3>> ways_out(const Complex& c, const std:
   for (const auto& [one, other] : pairs)
     for (const auto f : {one, other})
       for (const auto n : faces[static_cast<std::size_t>(f)]) nodes.push_back(n);
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   std::vector<std::pair<std::int32_t, Vec3>> ways;
   ways.reserve(nodes.size());
   for (const auto n : nodes) ways.emplace_back(n, Vec3{});

@@ -10,6 +10,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/quality.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -53,13 +54,16 @@ Complex label_lattice(const Materials& materials, Background background) {
   for (const auto& cell : background.cells)
     if (std::any_of(cell.begin(), cell.end(), [&](std::int32_t n) { return (c.bits(n) & bit_of(0)) == 0; }))
       for (const auto n : cell) is_near[static_cast<std::size_t>(n)] = 1;
-  for (const auto& cell : background.cells) {
-    const bool is_kept = std::any_of(cell.begin(), cell.end(),
-                                     [&](std::int32_t n) { return is_near[static_cast<std::size_t>(n)] != 0; });
-    if (is_kept) c.cells.push_back(cell);
-    if (!is_kept)
+  const auto is_left_out = [&](const Cell& cell) {
+    return std::none_of(cell.begin(), cell.end(),
+                        [&](std::int32_t n) { return is_near[static_cast<std::size_t>(n)] != 0; });
+  };
+  for (const auto& cell : background.cells)
+    if (is_left_out(cell))
       for (const auto n : cell) c.touches[static_cast<std::size_t>(n)] |= hull_bit;
-  }
+  std::erase_if(background.cells, is_left_out);
+  c.cells = background.cells;  // as long as it is: the lattice of the whole box is far longer
+  std::vector<Cell>().swap(background.cells);
   c.label.assign(c.cells.size(), 1);  // not yet known; 0 would be dropped
   compress(c);
   return c;
@@ -72,12 +76,6 @@ bool crosses(const Complex& c, std::int32_t a, std::int32_t b) { return (labels_
 
 LabelBits common_labels(const Complex& c, const Cell& cell) {
   return labels_of(c, cell[0]) & labels_of(c, cell[1]) & labels_of(c, cell[2]) & labels_of(c, cell[3]);
-}
-
-template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
 std::vector<Edge> crossing_edges(const Complex& c) {

@@ -12,6 +12,7 @@
 #include "generator/mesh/flips.hpp"
 #include "generator/mesh/quality.hpp"
 #include "generator/mesh/surfaces.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -199,8 +200,7 @@ void move_bad_vertices(std::vector<Vec3>& nodes_mm, std::span<const Cell> cells,
     for (std::size_t c = 0; c < cells.size(); ++c)
       if (label[c] > 0 && label[c] < first_dropped_label && least_sine(w.corners(static_cast<std::int32_t>(c))) < goal)
         nodes.insert(nodes.end(), cells[c].begin(), cells[c].end());
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sort_unique(nodes);
     bool moved = false;
     for (const auto node : nodes) moved |= improve_node(w, node, settings);
     if (!moved) break;

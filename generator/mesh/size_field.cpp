@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "generator/lattice/octree.hpp"
 #include "generator/mesh/thin_walls.hpp"
 #include "generator/segment/distance.hpp"
 #include "model/error.hpp"
@@ -187,11 +188,10 @@ void lower_around(Volume<float>& sizes, const Vec3& lps_mm, float edge_mm) {
       for (auto i = low[0]; i <= high[0]; ++i) sizes(i, j, k) = std::min(sizes(i, j, k), edge_mm);
 }
 
-constexpr double cells_per_cube = 13.5;  // of the edge, as the lattice makes them
 constexpr double most_cells = 2e7;
 
 void refuse_too_many_cells(double thin_mm3, double edge_mm, int layers) {
-  const double cells = cells_per_cube * thin_mm3 / (edge_mm * edge_mm * edge_mm);
+  const double cells = lattice::cells_per_cube * thin_mm3 / (edge_mm * edge_mm * edge_mm);
   if (cells <= most_cells) return;
   throw UserError(fmt::format("{} layers would put about {:.0f} million cells into thin walls", layers, cells / 1e6),
                   "recipe, [mesh] wall_layers", "ask for fewer layers or a longer heart_edge_mm");
@@ -223,9 +223,10 @@ void refuse_too_many_own_cells(const Volume<float>& sizes, const MeshDomain& dom
   double cubes = 0;  // of the edge
   for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
     if (labels.voxels[v] != 0) cubes += spacing.x * spacing.y * spacing.z / std::pow(sizes.voxels[v], 3);
-  if (cells_per_cube * cubes <= most_cells) return;
-  throw UserError(fmt::format("it asks for about {:.0f} million cells", cells_per_cube * cubes / 1e6),
-                  "size field of the mesh", "wish longer edges, or the short ones in a smaller part of the image");
+  const double cells = lattice::cells_per_cube * cubes;
+  if (cells <= most_cells) return;
+  throw UserError(fmt::format("it asks for about {:.0f} million cells", cells / 1e6), "size field of the mesh",
+                  "wish longer edges, or the short ones in a smaller part of the image");
 }
 
 }  // namespace

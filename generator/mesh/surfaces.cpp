@@ -7,6 +7,7 @@
 
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -133,8 +134,7 @@ Rim rim_of(const TetMesh& mesh, std::int32_t surface) {
     if (next == e + 1) rim.nodes.insert(rim.nodes.end(), {edges[e].first, edges[e].second});
     e = next;
   }
-  std::sort(rim.nodes.begin(), rim.nodes.end());
-  rim.nodes.erase(std::unique(rim.nodes.begin(), rim.nodes.end()), rim.nodes.end());
+  sort_unique(rim.nodes);
   return rim;
 }
 

@@ -72,6 +72,19 @@ Region certain_chamber(const Frame& frame, const Vec3& p) {
   return Region::none;
 }
 
+/// The component with most voxels beside the neighbour; where none touches it, the largest.
+Mask piece_beside(const Mask& all, const Mask& neighbour) {
+  const Mask beside = segment::dilate(neighbour, all.grid.spacing_mm.x);
+  const auto parts = segment::connected_components(all);
+  std::vector<std::int64_t> touching(parts.voxel_count.size(), 0);
+  for (std::size_t v = 0; v < all.voxels.size(); ++v)
+    if (all.voxels[v] && beside.voxels[v]) ++touching[static_cast<std::size_t>(parts.label.voxels[v])];
+  const auto most = std::max_element(touching.begin(), touching.end());
+  if (*most == 0) return segment::largest_component(all);
+  const auto chosen = static_cast<std::int32_t>(most - touching.begin());
+  return mask_where(all.grid, [&](const Vec3&, std::size_t v) { return parts.label.voxels[v] == chosen; });
+}
+
 }  // namespace
 
 bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const LongAxis& axis) {
@@ -101,8 +114,9 @@ void keep_main_pieces(LabelVolume& chambers) {
   for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood, Region::aorta,
                               Region::pulmonary_artery}) {
     const Mask all = region_mask(chambers, region);
-    const Mask kept =
-        region == Region::aorta ? segment::drop_small_components(all, least) : segment::largest_component(all);
+    const Mask kept = region == Region::aorta              ? segment::drop_small_components(all, least)
+                      : region == Region::pulmonary_artery ? piece_beside(all, region_mask(chambers, Region::rv_blood))
+                                                           : segment::largest_component(all);
     for (std::size_t v = 0; v < all.voxels.size(); ++v)
       if (all.voxels[v] && !kept.voxels[v]) chambers.voxels[v] = 0;
   }

@@ -9,7 +9,8 @@ namespace heart::landmarks {
 /// a flood divides the rest at its constrictions. Returns whether there were streaks.
 bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const LongAxis& axis);
 
-/// Keeps the largest piece of each chamber, and of the aorta every piece of 5 ml and more.
+/// Keeps the largest piece of each chamber, of the aorta every piece of 5 ml and more, and of the pulmonary artery the
+/// one beside the right ventricle: the neck's tissue, as grey as a faint vena cava, can be larger.
 void keep_main_pieces(LabelVolume& chambers);
 
 }  // namespace heart::landmarks

@@ -112,9 +112,10 @@ void cut_vessels(LabelVolume& labels, const ChamberSettings& settings) {
     replace_region(labels, region, drop_thin_branches(root, thin_branch_mm));
   }
   for (const Region atrium : {Region::la_blood, Region::ra_blood}) {
-    Mask body = cut_veins(mask_of(labels, atrium), atrium_core_share, settings.vein_stump_mm);
+    Mask body = mask_of(labels, atrium);
     if (atrium == Region::ra_blood)
       body = cut_venae_cavae(body, atrium_core_share, superior_cava_mm, settings.cava_stump_mm);
+    body = cut_veins(body, atrium_core_share, settings.vein_stump_mm);
     replace_region(labels, atrium, drop_thin_branches(body, thin_branch_mm));
   }
 }

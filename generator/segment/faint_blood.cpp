@@ -276,7 +276,8 @@ WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& wa
 }
 
 Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
-                          const Mask& compartment, const FaintContrast& contrast, const AnatomyTrust& trust) {
+                          const Mask& compartment, const FaintContrast& contrast, const AnatomyTrust& measured_trust,
+                          const Mask& measured) {
   constexpr double least_septum_mm = 3;
   const double speaks = information(contrast), cost = contour_cost(speaks);
   const Mask near = dilate(compartment, blood_reach_mm);
@@ -287,6 +288,7 @@ Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, c
     const auto off_edges = static_cast<double>(std::min(walls.from_outside.voxels[v], walls.from_other_left.voxels[v]));
     possible.voxels[v] =
         near.voxels[v] && off_edges > blurred_mm && static_cast<double>(walls.from_lv.voxels[v]) > least_septum_mm;
+    const AnatomyTrust trust = measured.voxels.empty() || measured.voxels[v] ? measured_trust : AnatomyTrust{};
     const double unmixed = std::clamp((off_edges - blurred_mm) / (sharp_mm - blurred_mm), 0.0, 1.0);
     const double usual = std::clamp(static_cast<double>(space.voxels[v]) / trust.slack_mm, -1.0, 1.0);
     const double sum = unmixed * grey_evidence(hu.voxels[v], contrast) +
@@ -297,7 +299,7 @@ Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, c
   }
   Volume<float> blood = solve(evidence, possible, cost);
   // The same height on both sides of the contour, so that its interpolation lies half-way between two voxels.
-  const double height = 0.5 * (speaks + trust.cavity_weight);
+  const double height = 0.5 * (speaks + measured_trust.cavity_weight);
   for (std::size_t v = 0; v < blood.voxels.size(); ++v) {
     const double value = possible.voxels[v] ? static_cast<double>(blood.voxels[v]) / height : -1;
     blood.voxels[v] = static_cast<float>(std::clamp(value, -1.0, 1.0));

@@ -86,9 +86,11 @@ struct AnatomyTrust {
 constexpr AnatomyTrust measured_walls{.wall_weight = 0.15, .cavity_weight = 0.15, .slack_mm = 0.7};
 
 /// Positive in blood, negative elsewhere; the contour is the zero level of its linear interpolation. `compartment`
-/// (the right heart's cavities, roughly) bounds the result to 6 mm around it.
+/// (the right heart's cavities, roughly) bounds the result to 6 mm around it. `trust` holds where walls are `measured`,
+/// AnatomyTrust{} elsewhere; an empty mask means everywhere.
 Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
-                          const Mask& compartment, const FaintContrast& contrast, const AnatomyTrust& trust = {});
+                          const Mask& compartment, const FaintContrast& contrast, const AnatomyTrust& trust = {},
+                          const Mask& measured = {});
 
 /// The same with contours beside thin walls put where the walls' thickness has them, if that is within 0.75 mm; those
 /// twice as far off stay, and others move by less. Beside fat or bright blood, grey values speak on the blood's side of

@@ -10,6 +10,7 @@
 #include "generator/segment/flood.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/muscle_bundles.hpp"
+#include "generator/segment/right_partition.hpp"
 #include "generator/segment/seeds.hpp"
 #include "generator/segment/wall_thickness.hpp"
 #include "model/labels.hpp"
@@ -176,8 +177,15 @@ RightHeartBlood faint_right_heart(const CtVolume& ct, const Landmarks& landmarks
   space = usual_cavity(walls, thin, thickness);
   contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
   space = measured_cavity(scene.hu, walls, thin, compartment, thickness, contrast, long_axis(grid, landmarks));
-  Volume<float> blood =
-      settle_thin_walls(faint_blood(scene.hu, walls, space, compartment, contrast, measured_walls), space, thin);
+  if (const auto valve = landmarks.valves.find("tricuspid"); valve != landmarks.valves.end()) {
+    const auto outside =
+        outside_right_partition(scene.hu, walls, nearest, compartment, valve->second, contrast, thickness.free_mm);
+    std::transform(space.voxels.begin(), space.voxels.end(), outside.voxels.begin(), space.voxels.begin(),
+                   [](float a, float b) { return std::min(a, b); });
+  }
+  const Mask measured = mask_where(grid, [&](std::size_t v) { return thin.voxels[v] == 0; });
+  Volume<float> blood = settle_thin_walls(
+      faint_blood(scene.hu, walls, space, compartment, contrast, measured_walls, measured), space, thin);
   RightHeartBlood found;
   const Volume<float> cavity = resampled(blood, ct.grid);
   found.blood = mask_where(ct.grid, [&](std::size_t v) {

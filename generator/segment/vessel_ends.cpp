@@ -1,6 +1,7 @@
 #include "generator/segment/vessel_ends.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -62,6 +63,32 @@ Mask wide_part(const Mask& chamber, double core_share) {
   return component_of(intersect(open(chamber, radius), chamber), seed);
 }
 
+/// A plane perpendicular to a vessel, and the direction in which it leaves.
+struct End {
+  Vec3 at, axis;
+};
+
+/// The largest piece at heights within 2 mm of `z_mm`.
+Mask section(const Mask& region, double z_mm) {
+  Mask result = region;
+  for (std::size_t v = 0; v < result.voxels.size(); ++v)
+    if (std::abs(position(region.grid, v).z - z_mm) > shell_mm / 2) result.voxels[v] = 0;
+  return largest_component(result);
+}
+
+/// Where a vena cava that leaves upwards (`way` 1) or downwards (-1) crosses the height `z_mm`. Flat where it cannot be
+/// followed far enough, or widens or turns away beyond: other tissue that was taken for blood.
+End cava_end(const Mask& atrium, double z_mm, double way) {
+  constexpr double most_wider = 1.5, least_along = 0.7;
+  const End flat{{0, 0, z_mm}, {0, 0, way}};
+  const Mask here = section(atrium, z_mm), beyond = section(atrium, z_mm + way * lever_mm);
+  const auto first = centroids(here, 1), second = centroids(beyond, 1);
+  const auto area = static_cast<double>(count(here));
+  if (first.empty() || second.empty() || static_cast<double>(count(beyond)) > most_wider * area) return flat;
+  const Vec3 axis = normalized(second.front() - first.front());
+  return way * axis.z > least_along ? End{first.front(), axis} : flat;
+}
+
 }  // namespace
 
 Mask cut_artery(const Mask& artery, const Mask& start, double length_mm) {
@@ -103,10 +130,15 @@ Mask cut_venae_cavae(const Mask& atrium, double core_share, double above_mm, dou
     lowest_mm = std::min(lowest_mm, z);
     highest_mm = std::max(highest_mm, z);
   }
+  if (lowest_mm > highest_mm) return atrium;
+  const End inferior = cava_end(atrium, lowest_mm - below_mm, -1),
+            superior = cava_end(atrium, highest_mm + above_mm, 1);
   Mask result = atrium;
   for (std::size_t v = 0; v < result.voxels.size(); ++v) {
-    const double z = position(core.grid, v).z;
-    if (z < lowest_mm - below_mm || z > highest_mm + above_mm) result.voxels[v] = 0;
+    const Vec3 at = position(core.grid, v);
+    const bool below = at.z < lowest_mm && dot(at - inferior.at, inferior.axis) > 0;
+    const bool above = at.z > highest_mm && dot(at - superior.at, superior.axis) > 0;
+    if (below || above) result.voxels[v] = 0;
   }
   return largest_component(result);
 }

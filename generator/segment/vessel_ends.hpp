@@ -14,8 +14,8 @@ Mask cut_artery(const Mask& artery, const Mask& start, double length_mm);
 Mask cut_veins(const Mask& chamber, double core_share, double stump_mm);
 
 /// A right atrium without the venae cavae, which leave it above and below: nothing higher than `above_mm` over its wide
-/// part (as in cut_veins), nothing lower than `below_mm` under it, cut flat. Positions are the patient's: both veins
-/// run along z there.
+/// part (as in cut_veins), nothing lower than `below_mm` under it, where the vein's axis is; each ends in a plane
+/// perpendicular to its axis there. Positions are the patient's. The veins should be there for 10 mm more.
 Mask cut_venae_cavae(const Mask& atrium, double core_share, double above_mm, double below_mm);
 
 /// The largest piece of a region without branches thinner than `radius_mm` (coronaries at the aortic root, small

@@ -16,9 +16,10 @@
 namespace heart::segment {
 namespace {
 
-constexpr double cell_mm = 2;          // places along the wall
-constexpr double band_mm = 3;          // thicknesses differ by this from their mean at most,
-constexpr double deviation_mm = 1;     // and by this usually
+constexpr double cell_mm = 2;         // places along the wall
+constexpr double band_mm = 3;         // thicknesses differ by this from their mean at most,
+constexpr double deviation_mm = 1;    // and by this usually;
+constexpr double misplaced_mm = 1.5;  // the wall between right ventricle and atrium by this from where they are divided
 constexpr double place_reach_mm = 10;  // voxels farther from the wall's end need no thickness
 constexpr double alone_mm = 1;         // other walls end at least this far off
 constexpr double off_left_mm = 4;      // the same of walls beside left atrium and aorta, thick and blurred
@@ -79,16 +80,35 @@ void for_each_near(const Places& places, double reach_mm, const Body& body) {
         if (std::abs(places.off_mm({i, j, k})) < reach_mm) body(Index3{i, j, k});
 }
 
-/// Nats for blood per place (one volume) and bin of thickness.
+/// A surface of the wall: blood begins (`sign` 1) or ends (-1) there, beyond what is looked for.
+struct Face {
+  double beyond_mm = 0;
+  float sign = 1;
+};
+
+/// What is looked for: one number a place, of which the wall's faces follow.
+struct Sought {
+  std::vector<Face> faces;
+  double prior_mm = 1;  ///< standard deviation around 0
+};
+
+/// Nats per place (one volume) and bin, summed so that what lies beyond a bin speaks for that bin.
 std::vector<Volume<float>> sum_evidence(const Volume<float>& hu, const Mask& speaks, const Places& places,
-                                        const FaintContrast& contrast) {
+                                        const FaintContrast& contrast, const Sought& sought) {
   std::vector<Volume<float>> sums(bins, Volume<float>(places.grid));
   const double voxel_mm3 = hu.grid.voxel_volume_mm3();
-  for_each_near(places, band_mm, [&](const Index3& at) {
+  double reach_mm = band_mm;
+  for (const Face& face : sought.faces) reach_mm = std::max(reach_mm, band_mm + std::abs(face.beyond_mm));
+  for_each_near(places, reach_mm, [&](const Index3& at) {
     if (!speaks(at[0], at[1], at[2])) return;
-    const auto bin = std::min(static_cast<std::size_t>((places.off_mm(at) + band_mm) / bin_mm), bins - 1);
     const auto nats = static_cast<float>(grey_evidence(hu(at[0], at[1], at[2]), contrast) * voxel_mm3);
-    for (const auto& [cell, weight] : places.corners(places.place(at))) sums[bin].voxels[cell] += weight * nats;
+    const auto corners = places.corners(places.place(at));
+    for (const Face& face : sought.faces) {
+      const double off_mm = places.off_mm(at) - face.beyond_mm + band_mm;
+      if (!(off_mm > 0 && off_mm < 2 * band_mm)) continue;
+      const auto bin = std::min(static_cast<std::size_t>(off_mm / bin_mm), bins - 1);
+      for (const auto& [cell, weight] : corners) sums[bin].voxels[cell] += face.sign * weight * nats;
+    }
   });
   return sums;
 }
@@ -107,13 +127,13 @@ struct LineWeights {
   }
 };
 
-/// Posterior mean of the thickness less the mean one, mm. `nats`: evidence per bin, used up.
-double posterior_mean(std::array<double, bins + 1>& nats) {
+/// Posterior mean, mm, for a prior around 0. `nats`: evidence per bin, used up.
+double posterior_mean(std::array<double, bins + 1>& nats, double prior_mm) {
   double beyond = 0, top = -std::numeric_limits<double>::infinity();
   const auto off_mm = [](std::size_t n) { return static_cast<double>(n) * bin_mm - band_mm; };
   for (std::size_t n = bins + 1; n-- > 0;) {
     beyond += nats[n];
-    const double prior = off_mm(n) / deviation_mm;
+    const double prior = off_mm(n) / prior_mm;
     nats[n] = beyond - prior * prior / 2;
     top = std::max(top, nats[n]);
   }
@@ -172,12 +192,12 @@ Speakers speakers(const WallDistances& walls, const Mask& thin_walled, const Mas
   return result;
 }
 
-}  // namespace
-
-Volume<float> local_thickness(const Volume<float>& hu, const Volume<float>& distance_mm, double mean_mm,
-                              const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours) {
+/// Of what is sought, at the place of every voxel within 10 mm of `mean_mm`; 0 elsewhere.
+Volume<float> local_offset(const Volume<float>& hu, const Volume<float>& distance_mm, double mean_mm,
+                           const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours,
+                           const Sought& sought) {
   const Places places(distance_mm, mean_mm);
-  auto evidence = sum_evidence(hu, speaks, places, contrast);
+  auto evidence = sum_evidence(hu, speaks, places, contrast, sought);
   for (auto& bin : evidence) bin = gaussian(bin, neighbours.across_mm);
   Mask used(places.grid);
   for_each_near(places, place_reach_mm, [&](const Index3& at) {
@@ -192,15 +212,32 @@ Volume<float> local_thickness(const Volume<float>& hu, const Volume<float>& dist
         for (std::int64_t i = 0; i < places.grid.size[0]; ++i) {
           if (!used(i, j, k)) continue;
           auto nats = neighbours_sum(evidence, {i, j, k}, neighbours, line);
-          off_mm(i, j, k) = static_cast<float>(posterior_mean(nats));
+          off_mm(i, j, k) = static_cast<float>(posterior_mean(nats, sought.prior_mm));
         }
   });
-  Volume<float> thickness(hu.grid, static_cast<float>(mean_mm));
+  Volume<float> offset(hu.grid);
   for_each_near(places, place_reach_mm, [&](const Index3& at) {
-    float& here = thickness(at[0], at[1], at[2]);
+    float& here = offset(at[0], at[1], at[2]);
     for (const auto& [cell, weight] : places.corners(places.place(at))) here += weight * off_mm.voxels[cell];
   });
-  return thickness;
+  return offset;
+}
+
+}  // namespace
+
+Volume<float> local_thickness(const Volume<float>& hu, const Volume<float>& distance_mm, double mean_mm,
+                              const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours) {
+  const Sought thickness{.faces = {Face{}}, .prior_mm = deviation_mm};
+  Volume<float> result = local_offset(hu, distance_mm, mean_mm, speaks, contrast, neighbours, thickness);
+  for (float& mm : result.voxels) mm += static_cast<float>(mean_mm);
+  return result;
+}
+
+Volume<float> local_middle(const Volume<float>& hu, const Volume<float>& distance_mm, double wall_mm,
+                           const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours) {
+  const Sought middle{.faces = {{.beyond_mm = wall_mm / 2, .sign = 1}, {.beyond_mm = -wall_mm / 2, .sign = -1}},
+                      .prior_mm = misplaced_mm};
+  return local_offset(hu, distance_mm, 0, speaks, contrast, neighbours, middle);
 }
 
 Volume<float> measured_cavity(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,

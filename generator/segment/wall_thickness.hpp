@@ -22,6 +22,11 @@ struct WallNeighbours {
 Volume<float> local_thickness(const Volume<float>& hu, const Volume<float>& distance_mm, double mean_mm,
                               const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours);
 
+/// How far (mm) the middle of a wall of known thickness between two pools lies beyond the zero of `distance_mm`, which
+/// is negative in the one pool and positive in the other, at the place of every voxel within 10 mm of it; 0 elsewhere.
+Volume<float> local_middle(const Volume<float>& hu, const Volume<float>& distance_mm, double wall_mm,
+                           const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours);
+
 /// usual_cavity with the local thickness of free wall and septum around `mean`. `long_axis` (unit vector along the
 /// grid's axes) is the ventricles': the trabeculae of the free wall run along it.
 Volume<float> measured_cavity(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,

@@ -239,5 +239,33 @@ TEST(CutVenaeCavae, TheyGoAndTheRestStays) {
   EXPECT_TRUE(at(0, -10, 28));
 }
 
+/// Veins that lean by 27 degrees: their ends are perpendicular to them, not level.
+TEST(CutVenaeCavae, EndsArePerpendicularToTheVein) {
+  Grid grid;
+  grid.size = {60, 80, 120};
+  grid.origin_mm = {-30, -40, -60};
+  const Vec3 axis = normalized({0, 0.5, 1});
+  Mask atrium(grid);
+  const auto at = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+  };
+  for (std::int64_t k = 0; k < 120; ++k)
+    for (std::int64_t j = 0; j < 80; ++j)
+      for (std::int64_t i = 0; i < 60; ++i) {
+        const Vec3 p = at(i, j, k);
+        atrium(i, j, k) = norm(p) < 20 || norm(p - dot(p, axis) * axis) < 8;
+      }
+  const Mask cut = cut_venae_cavae(atrium, 0.6, 10, 4);
+  const double above_mm = 30 / axis.z, below_mm = -24 / axis.z;  // along the axis, at the heights of the cuts
+  std::int64_t wrong = 0;
+  for (std::int64_t k = 0; k < 120; ++k)
+    for (std::int64_t j = 0; j < 80; ++j)
+      for (std::int64_t i = 0; i < 60; ++i) {
+        const double along = dot(at(i, j, k), axis);
+        wrong += atrium(i, j, k) && (along < above_mm && along > below_mm) != (cut(i, j, k) != 0);
+      }
+  EXPECT_LT(wrong, 400);  // 1 mm of each end; level ends miss by about 350 each
+}
+
 }  // namespace
 }  // namespace heart::segment

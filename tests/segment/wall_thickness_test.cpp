@@ -84,5 +84,38 @@ TEST(LocalThickness, IsTheMeanOneWhereNothingSpeaks) {
     ASSERT_NEAR(static_cast<double>(mm), mean_mm, 1e-4);
 }
 
+/// A wall of known thickness between two pools lies elsewhere than where they were divided.
+TEST(LocalMiddle, FollowsAWallBetweenTwoPools) {
+  constexpr double wall_mm = 4;
+  const auto middle = [](double j, double) { return (j - 30) / 20; };
+  Grid grid;
+  grid.size = {36, 60, 60};
+  Volume<float> hu(grid), off_mm(grid);
+  std::mt19937 random(3);
+  for (std::int64_t k = 0; k < 60; ++k)
+    for (std::int64_t j = 0; j < 60; ++j)
+      for (std::int64_t i = 0; i < 36; ++i) {
+        double noise = -6;  // twelve uniform numbers: the same on every platform
+        for (int n = 0; n < 12; ++n) noise += static_cast<double>(random()) / 4294967296.0;
+        const double off = static_cast<double>(i) - 18, from = off - middle(static_cast<double>(j), 0);
+        const double blood = std::clamp(std::abs(from) - wall_mm / 2 + 0.5, 0.0, 1.0);
+        off_mm(i, j, k) = static_cast<float>(off);
+        hu(i, j, k) = static_cast<float>(twelve_hu.muscle_hu + blood * twelve_hu.difference_hu() +
+                                         noise * std::sqrt(twelve_hu.noise_power));
+      }
+  const auto found = local_middle(hu, off_mm, wall_mm, Mask(grid, 1), twelve_hu, {.across_mm = 5});
+  const auto error = [&](const Volume<float>& mm) {
+    double sum = 0;
+    for (std::int64_t k = 10; k < 50; ++k)
+      for (std::int64_t j = 10; j < 50; ++j)
+        sum += std::abs(static_cast<double>(mm(18, j, k)) - middle(static_cast<double>(j), 0));
+    return sum / 1600;
+  };
+  EXPECT_LT(error(found), 0.25);
+  EXPECT_GT(error(Volume<float>(grid)), 0.45);
+  for (const float mm : local_middle(hu, off_mm, wall_mm, Mask(grid), twelve_hu, {.across_mm = 5}).voxels)
+    ASSERT_NEAR(static_cast<double>(mm), 0, 1e-4);
+}
+
 }  // namespace
 }  // namespace heart::segment

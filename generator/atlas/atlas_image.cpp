@@ -392,7 +392,7 @@ AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm) {
                                                    : tag(Part::outside);
   const Vec3 down{0, 0, -1};
   const Vec3 base{0, 0, std::min(top_of(cavities[0]), top_of(cavities[1]))};
-  mirror_above_base(parts, base, down);
+  continue_above(parts, {base, down}, down);
   split_walls(parts, std::max(first, second));
   image.ventricles.frame = heart_frame(parts, base, down);
   image.fiber = voxel_fibers(standing, grid);

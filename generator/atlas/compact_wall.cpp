@@ -13,8 +13,9 @@ namespace heart::atlas {
 namespace {
 
 constexpr double cell_mm = 1.2;
-constexpr double reach_mm = 8;          // of a fit: a few ridges wide
-constexpr std::size_t least_near = 12;  // samples that a fit needs
+constexpr double reach_mm = 8;              // of a fit: a few ridges wide
+constexpr std::size_t least_near = 12;      // samples that a fit needs
+constexpr std::size_t samples_per_fit = 3;  // fits change slowly from sample to sample
 
 /// Value and gradient (per mm) of a level set at a continuous index, by differences of half a voxel.
 std::pair<double, Vec3> value_and_gradient(const LevelSet& surface, const Vec3& index) {
@@ -149,12 +150,14 @@ CompactWall::CompactWall(const std::vector<ThicknessSample>& samples, double rid
   std::vector<std::optional<Fit>> fits(samples.size());
   if (!samples.empty()) {
     const PointTree tree(3, all, tree_leaves);
-    parallel::parallel_for(0, static_cast<std::int64_t>(fits.size()), [&](std::int64_t begin, std::int64_t end) {
+    const auto wanted = static_cast<std::int64_t>((fits.size() + samples_per_fit - 1) / samples_per_fit);
+    parallel::parallel_for(0, wanted, [&](std::int64_t begin, std::int64_t end) {
       Near near;
-      for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      for (std::int64_t fit = begin; fit < end; ++fit) {
+        const auto n = static_cast<std::size_t>(fit) * samples_per_fit;
         const Vec3& p = all.points[n];
         const std::array<double, 3> at{p.x, p.y, p.z};
-        tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, true));
+        tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
         if (near.size() >= least_near) fits[n] = floor_fit(samples, near, p, ridge_mm);
       }
     });

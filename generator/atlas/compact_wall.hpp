@@ -27,8 +27,8 @@ std::vector<ThicknessSample> endocardial_thickness(const LevelSet& cavity, const
 /// The wall between trabeculae, its thickness fitted from samples.
 class CompactWall {
  public:
-  /// At each sample a linear fit over those within 8 mm. What is thicker than the fit by more than `ridge_mm` is a
-  /// ridge and hardly counts, so that the fit follows the floor between the ridges.
+  /// At every third sample a linear fit over those within 8 mm. What is thicker than the fit by more than `ridge_mm` is
+  /// a ridge and hardly counts, so that the fit follows the floor between the ridges.
   CompactWall(const std::vector<ThicknessSample>& samples, double ridge_mm);
   ~CompactWall();
   CompactWall(const CompactWall&) = delete;

@@ -1,5 +1,7 @@
 #include "generator/atlas/distance_map.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,69 +12,108 @@ namespace {
 
 constexpr float far_away = 1e9F;
 
-/// Start offset and stride of line `line` along `axis`.
-struct Line {
-  std::int64_t start, stride, length;
+constexpr std::int64_t lanes = 16;  // lines that go through together, so that memory is read along x whatever the axis
+
+/// Up to `lanes` lines along one axis that start side by side: value n of lane l at values[n * lanes + l].
+struct Bundle {
+  std::int64_t start = 0, stride = 0, length = 0, between = 0, count = 0;  ///< `between`: from lane to lane
 };
 
-std::int64_t line_count(const Grid& grid, int axis) {
-  return grid.voxel_count() / grid.size[static_cast<std::size_t>(axis)];
+std::int64_t bundle_count(const Grid& grid, int axis) {
+  const auto along_x = (grid.size[0] + lanes - 1) / lanes;
+  if (axis == 0) return (grid.size[1] * grid.size[2] + lanes - 1) / lanes;
+  return along_x * grid.size[axis == 1 ? 2 : 1];
 }
 
-Line line_along(const Grid& grid, int axis, std::int64_t line) {
+Bundle bundle_of(const Grid& grid, int axis, std::int64_t n) {
   const auto nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
-  if (axis == 0) return {line * nx, 1, nx};
-  if (axis == 1) return {(line / nx) * nx * ny + line % nx, nx, ny};
-  return {line, nx * ny, nz};
+  if (axis == 0) return {n * lanes * nx, 1, nx, nx, std::min(lanes, ny * nz - n * lanes)};
+  const auto along_x = (nx + lanes - 1) / lanes;
+  const auto i = n % along_x * lanes, row = n / along_x;
+  const auto count = std::min(lanes, nx - i);
+  if (axis == 1) return {row * nx * ny + i, nx, ny, 1, count};
+  return {row * nx + i, nx * ny, nz, 1, count};
 }
 
-template <class PerLine>
-void for_each_line(Volume<float>& volume, int axis, PerLine&& per_line) {
-  parallel::parallel_for(0, line_count(volume.grid, axis), [&](std::int64_t begin, std::int64_t end) {
+/// Replaces all lines along an axis by what per_bundle(in, out, length) makes of them; both hold length * lanes values,
+/// those of lanes beyond the grid are zero.
+template <class PerBundle>
+void for_each_bundle(Volume<float>& volume, int axis, PerBundle&& per_bundle) {
+  parallel::parallel_for(0, bundle_count(volume.grid, axis), [&](std::int64_t begin, std::int64_t end) {
     std::vector<float> in, out;
     for (std::int64_t n = begin; n < end; ++n) {
-      const Line line = line_along(volume.grid, axis, n);
-      in.resize(static_cast<std::size_t>(line.length));
+      const Bundle b = bundle_of(volume.grid, axis, n);
+      in.assign(static_cast<std::size_t>(b.length * lanes), 0);
       out.resize(in.size());
-      for (std::size_t i = 0; i < in.size(); ++i)
-        in[i] = volume.voxels[static_cast<std::size_t>(line.start + static_cast<std::int64_t>(i) * line.stride)];
-      per_line(in, out);
-      for (std::size_t i = 0; i < in.size(); ++i)
-        volume.voxels[static_cast<std::size_t>(line.start + static_cast<std::int64_t>(i) * line.stride)] = out[i];
+      const auto at = [&](std::int64_t p, std::int64_t lane) {
+        return static_cast<std::size_t>(b.start + p * b.stride + lane * b.between);
+      };
+      for (std::int64_t p = 0; p < b.length; ++p)
+        for (std::int64_t lane = 0; lane < b.count; ++lane)
+          in[static_cast<std::size_t>(p * lanes + lane)] = volume.voxels[at(p, lane)];
+      per_bundle(in, out, b.length);
+      for (std::int64_t p = 0; p < b.length; ++p)
+        for (std::int64_t lane = 0; lane < b.count; ++lane)
+          volume.voxels[at(p, lane)] = out[static_cast<std::size_t>(p * lanes + lane)];
     }
   });
 }
 
-/// Lower envelope of the parabolas f(q) + (p - q)^2.
-void squared_distance_line(const std::vector<float>& f, std::vector<float>& d, std::vector<int>& vertex,
-                           std::vector<double>& bound) {
-  const int n = static_cast<int>(f.size());
-  vertex.assign(f.size(), 0);
-  bound.assign(f.size() + 1, 0);
+/// Room for the lower envelope of a line's parabolas.
+struct Envelope {
+  std::vector<int> vertex;
+  std::vector<double> bound;
+};
+
+/// Squared distances along one lane: the lower envelope of the parabolas f(q) + (p - q)^2.
+void squared_distance_lane(const float* f, float* d, std::int64_t length, Envelope& envelope) {
+  const int n = static_cast<int>(length);
+  envelope.vertex.resize(static_cast<std::size_t>(n));
+  envelope.bound.resize(static_cast<std::size_t>(n) + 1);
+  int* const vertex = envelope.vertex.data();
+  double* const bound = envelope.bound.data();
   int last = -1;
-  const auto value = [&](int q) { return static_cast<double>(f[static_cast<std::size_t>(q)]); };
+  const auto value = [&](int q) { return static_cast<double>(f[q * lanes]); };
   for (int q = 0; q < n; ++q) {
-    if (value(q) >= far_away) continue;
+    if (f[q * lanes] >= far_away) continue;
     double cut = -std::numeric_limits<double>::infinity();
     while (last >= 0) {
-      const int v = vertex[static_cast<std::size_t>(last)];
+      const int v = vertex[last];
       cut = ((value(q) + static_cast<double>(q) * q) - (value(v) + static_cast<double>(v) * v)) / (2.0 * (q - v));
-      if (cut > bound[static_cast<std::size_t>(last)]) break;
+      if (cut > bound[last]) break;
       --last;
       cut = -std::numeric_limits<double>::infinity();
     }
-    vertex[static_cast<std::size_t>(++last)] = q;
-    bound[static_cast<std::size_t>(last)] = cut;
+    vertex[++last] = q;
+    bound[last] = cut;
   }
   for (int p = 0, at = 0; p < n; ++p) {
     if (last < 0) {
-      d[static_cast<std::size_t>(p)] = far_away;
+      d[p * lanes] = far_away;
       continue;
     }
-    while (at < last && bound[static_cast<std::size_t>(at + 1)] < p) ++at;
-    const int v = vertex[static_cast<std::size_t>(at)];
-    d[static_cast<std::size_t>(p)] = static_cast<float>(value(v) + static_cast<double>(p - v) * (p - v));
+    while (at < last && bound[at + 1] < p) ++at;
+    const int v = vertex[at];
+    d[p * lanes] = static_cast<float>(value(v) + static_cast<double>(p - v) * (p - v));
   }
+}
+
+/// Where every value is 0 or far away, as along the first axis, two passes do.
+void binary_distance_bundle(const std::vector<float>& in, std::vector<float>& out, std::int64_t length) {
+  constexpr float none = 1e4F;  // voxels: squared below far_away, beyond every grid
+  std::array<float, static_cast<std::size_t>(lanes)> steps;
+  const auto pass = [&](std::int64_t p, auto&& keep) {
+    const auto row = static_cast<std::size_t>(p * lanes);
+    for (std::size_t lane = 0; lane < steps.size(); ++lane) {
+      steps[lane] = in[row + lane] == 0 ? 0 : std::min(steps[lane] + 1, none);
+      out[row + lane] = keep(out[row + lane], steps[lane]);
+    }
+  };
+  steps.fill(none);
+  for (std::int64_t p = 0; p < length; ++p) pass(p, [](float, float step) { return step; });
+  steps.fill(none);
+  for (std::int64_t p = length - 1; p >= 0; --p) pass(p, [](float old, float step) { return std::min(old, step); });
+  for (float& d : out) d = d >= none ? far_away : d * d;
 }
 
 std::vector<double> gaussian_weights(double sigma) {
@@ -87,17 +128,36 @@ std::vector<double> gaussian_weights(double sigma) {
   return weights;
 }
 
+void smooth_bundle(const std::vector<double>& weights, const std::vector<float>& in, std::vector<float>& out,
+                   std::int64_t length) {
+  const auto radius = static_cast<std::int64_t>(weights.size()) - 1;
+  const auto row = [&](std::int64_t p) { return in.data() + std::clamp<std::int64_t>(p, 0, length - 1) * lanes; };
+  for (std::int64_t p = 0; p < length; ++p) {
+    std::array<double, static_cast<std::size_t>(lanes)> sum;
+    const float* const here = row(p);
+    for (std::size_t lane = 0; lane < sum.size(); ++lane) sum[lane] = weights[0] * here[lane];
+    for (std::int64_t r = 1; r <= radius; ++r) {
+      const double weight = weights[static_cast<std::size_t>(r)];
+      const float *const before = row(p - r), *const after = row(p + r);
+      for (std::size_t lane = 0; lane < sum.size(); ++lane) sum[lane] += weight * (before[lane] + after[lane]);
+    }
+    for (std::size_t lane = 0; lane < sum.size(); ++lane)
+      out[static_cast<std::size_t>(p * lanes) + lane] = static_cast<float>(sum[lane]);
+  }
+}
+
 }  // namespace
 
 Volume<float> distance_to(const Mask& mask) {
   Volume<float> result(mask.grid, far_away);
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
     if (mask.voxels[v]) result.voxels[v] = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    for_each_line(result, axis, [](const std::vector<float>& in, std::vector<float>& out) {
-      thread_local std::vector<int> vertex;
-      thread_local std::vector<double> bound;
-      squared_distance_line(in, out, vertex, bound);
+  for_each_bundle(result, 0, binary_distance_bundle);
+  for (const int axis : {1, 2})
+    for_each_bundle(result, axis, [](const std::vector<float>& in, std::vector<float>& out, std::int64_t length) {
+      thread_local Envelope envelope;
+      for (std::int64_t lane = 0; lane < lanes; ++lane)
+        squared_distance_lane(in.data() + lane, out.data() + lane, length, envelope);
     });
   const auto spacing = static_cast<float>(mask.grid.spacing_mm.x);
   for (float& d : result.voxels) d = d >= far_away ? far_away : spacing * std::sqrt(d);
@@ -108,18 +168,9 @@ Volume<float> smoothed(const Volume<float>& volume, double sigma_voxels) {
   Volume<float> result = volume;
   if (sigma_voxels <= 0) return result;
   const auto weights = gaussian_weights(sigma_voxels);
-  const auto radius = static_cast<std::ptrdiff_t>(weights.size()) - 1;
   for (int axis = 0; axis < 3; ++axis)
-    for_each_line(result, axis, [&](const std::vector<float>& in, std::vector<float>& out) {
-      const auto last = static_cast<std::ptrdiff_t>(in.size()) - 1;
-      for (std::ptrdiff_t p = 0; p <= last; ++p) {
-        double sum = weights[0] * in[static_cast<std::size_t>(p)];
-        for (std::ptrdiff_t r = 1; r <= radius; ++r)
-          sum +=
-              weights[static_cast<std::size_t>(r)] * (in[static_cast<std::size_t>(std::max<std::ptrdiff_t>(p - r, 0))] +
-                                                      in[static_cast<std::size_t>(std::min(p + r, last))]);
-        out[static_cast<std::size_t>(p)] = static_cast<float>(sum);
-      }
+    for_each_bundle(result, axis, [&](const std::vector<float>& in, std::vector<float>& out, std::int64_t length) {
+      smooth_bundle(weights, in, out, length);
     });
   return result;
 }

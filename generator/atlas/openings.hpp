@@ -31,4 +31,8 @@ void close_base(Volume<std::uint8_t>& parts, const std::map<std::string, Opening
 Volume<std::uint8_t> blood_beyond(const LabelVolume& labels, const Grid& grid,
                                   const std::map<std::string, Opening>& openings);
 
+/// The same for ventricles cut at a plane and labelled without vessels: an orifice is where their blood meets what is
+/// no part of the heart below the plane. What lies beyond one becomes Part::other.
+Volume<std::uint8_t> open_orifices(Volume<std::uint8_t>& parts, const Plane& cut);
+
 }  // namespace heart::atlas

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/resample.hpp"
 #include "model/error.hpp"
 
 namespace heart::atlas {
@@ -40,16 +41,18 @@ std::vector<Volume<float>> clipped_distances(const Volume<std::uint8_t>& cut) {
           channel([](std::uint8_t v) { return !is(v, Part::outside); })};
 }
 
-/// A coarse lattice of points in the patient's heart and up to 4 mm around it.
-std::vector<Vec3> sample_points(const Volume<float>& hull) {
+/// A coarse lattice of points in the patient's heart and up to 4 mm around it; only those that a cut does not reach.
+std::vector<Vec3> sample_points(const Volume<float>& hull, const std::optional<Plane>& cut) {
   const auto& g = hull.grid;
   const auto step = std::max<std::int64_t>(1, std::llround(sample_spacing_mm / g.spacing_mm.x));
   std::vector<Vec3> points;
   for (std::int64_t k = 0; k < g.size[2]; k += step)
     for (std::int64_t j = 0; j < g.size[1]; j += step)
       for (std::int64_t i = 0; i < g.size[0]; i += step)
-        if (hull(i, j, k) < 4)
-          points.push_back(lps_from_index(g, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
+        if (hull(i, j, k) < 4) {
+          const Vec3 p = voxel_center(g, g.offset(i, j, k));
+          if (!cut || depth_below_mm(*cut, p) > clip_mm) points.push_back(p);
+        }
   return points;
 }
 
@@ -67,7 +70,7 @@ AffineMap pose_from_frames(const Ventricles& patient, const Ventricles& atlas) {
 Pose fit_atlas_pose(const Ventricles& patient, const Ventricles& atlas) {
   const auto patient_maps = clipped_distances(cut_at_base(patient));
   const auto atlas_maps = clipped_distances(cut_at_base(atlas));
-  const auto points = sample_points(patient_maps.back());
+  const auto points = sample_points(patient_maps.back(), patient.cut);
   std::vector<const Volume<float>*> targets;
   std::vector<std::vector<float>> values;
   for (std::size_t c = 0; c < patient_maps.size(); ++c) {
@@ -79,7 +82,10 @@ Pose fit_atlas_pose(const Ventricles& patient, const Ventricles& atlas) {
   const AffineMap start = pose_from_frames(patient, atlas);
   const Vec3 center = middle_of(patient.frame);
   const auto similar = adapters::fit_pose(start, center, points, targets, values, adapters::PoseFreedom::similarity);
-  const auto fit = adapters::fit_pose(similar.map, center, points, targets, values, adapters::PoseFreedom::affine);
+  // Without its base a heart does not say how long it is, other than by how wide it is.
+  const auto fit =
+      patient.cut ? similar
+                  : adapters::fit_pose(similar.map, center, points, targets, values, adapters::PoseFreedom::affine);
   if (!(fit.rms <= hopeless_rms_mm) || determinant(fit.map.matrix) <= 0)
     throw UserError(fmt::format("the atlas does not fit the patient's ventricles (misfit {:.1f} mm)", fit.rms),
                     "fibers", "check the segmentation of the ventricles, and that the atlas is a mesh of both");

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::array<std::array<int, 3>, 6> faces{
     {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-constexpr double grid_margin_mm = 12;
+constexpr double grid_margin_mm = 6;          // as far as the clipped distances of the pose reach
 constexpr double trabeculae_resolved_mm = 2;  // in coarser labels an opening would only follow the voxels' steps
 
 template <class Keep>
@@ -174,12 +174,8 @@ Vec3 patient_base_point(const LabelVolume& labels, const Landmarks& landmarks, c
   return middle + (percentile(along, 0.03) - dot(middle, axis)) * axis;
 }
 
-struct CutPlane {
-  Vec3 point_mm, normal;  ///< unit, to the apex
-};
-
 /// Total least squares.
-CutPlane plane_through(const std::vector<Vec3>& points) {
+Plane plane_through(const std::vector<Vec3>& points) {
   const Vec3 middle = mean_of(points);
   AxisTensor spread;
   for (const Vec3& p : points) spread += axis_tensor(p - middle);
@@ -192,7 +188,7 @@ CutPlane plane_through(const std::vector<Vec3>& points) {
 
 /// The plane in which ventricles without atria are cut: there, and only there, their blood meets what is no part of the
 /// heart. Empty where that is no plane across the axis.
-std::optional<CutPlane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3& axis) {
+std::optional<Plane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3& axis) {
   constexpr std::size_t least_voxels = 100;
   constexpr int rounds = 8;
   constexpr double used_share = 0.6;  // the rest may lie in a valve's orifice below the cut
@@ -210,8 +206,8 @@ std::optional<CutPlane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3&
           points.push_back(voxel_center(g, g.offset(i, j, k)));
       }
   if (points.size() < least_voxels) return std::nullopt;
-  const auto height = [](const CutPlane& plane, const Vec3& p) { return dot(p - plane.point_mm, plane.normal); };
-  CutPlane plane = plane_through(points);
+  const auto height = [](const Plane& plane, const Vec3& p) { return dot(p - plane.point_mm, plane.normal); };
+  Plane plane = plane_through(points);
   for (int round = 0; round < rounds; ++round) {
     std::stable_sort(points.begin(), points.end(), [&](const Vec3& p, const Vec3& q) {
       return std::abs(height(plane, p)) < std::abs(height(plane, q));
@@ -263,23 +259,28 @@ HeartFrame heart_frame(const Volume<std::uint8_t>& parts, const Vec3& base_point
   return frame;
 }
 
-void mirror_above_base(Volume<std::uint8_t>& parts, const Vec3& base_point_mm, const Vec3& base_normal) {
+void continue_above(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis) {
+  constexpr double below_voxels = 0.9;  // the nearest voxel is never above the plane: half a diagonal is 0.87
   const Volume<std::uint8_t> source = parts;
-  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
-    const Vec3 p = voxel_center(parts.grid, static_cast<std::int64_t>(v));
-    const double height = dot(p - base_point_mm, base_normal);
-    if (height >= 0) continue;
-    const Vec3 index = index_from_lps(parts.grid, p - 2 * height * base_normal);
-    const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
-    parts.voxels[v] = parts.grid.contains(i, j, k) ? source(i, j, k) : tag(Part::outside);
-  }
+  const double below_mm = below_voxels * parts.grid.spacing_mm.x, rise = dot(axis, plane.normal);
+  parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v) {
+      const Vec3 p = voxel_center(parts.grid, v);
+      const double height = -depth_below_mm(plane, p);
+      if (height <= 0) continue;
+      const Vec3 index = index_from_lps(parts.grid, p + ((height + below_mm) / rise) * axis);
+      const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
+      parts.voxels[static_cast<std::size_t>(v)] = parts.grid.contains(i, j, k) ? source(i, j, k) : tag(Part::outside);
+    }
+  });
 }
 
 Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles) {
   Volume<std::uint8_t> parts = ventricles.parts;
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    const Vec3 p = voxel_center(parts.grid, static_cast<std::int64_t>(v));
     const bool above =
-        depth_below_base_mm(ventricles.frame, voxel_center(parts.grid, static_cast<std::int64_t>(v))) < 0;
+        depth_below_base_mm(ventricles.frame, p) < 0 || (ventricles.cut && depth_below_mm(*ventricles.cut, p) < 0);
     if (above || is(parts.voxels[v], Part::other)) parts.voxels[v] = tag(Part::outside);
   }
   return parts;
@@ -307,9 +308,9 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   }
   result.frame = heart_frame(result.parts, base, normal);
   if (!atria) {
-    const auto cut =
-        cut_plane(result.parts, normal).value_or(CutPlane{result.frame.base_point_mm, result.frame.base_normal});
-    mirror_above_base(result.parts, cut.point_mm, cut.normal);
+    result.cut = cut_plane(result.parts, normal).value_or(Plane{result.frame.base_point_mm, result.frame.base_normal});
+    result.beyond = open_orifices(result.parts, *result.cut);
+    continue_above(result.parts, *result.cut, result.frame.long_axis);
   }
   if (std::max({voxel.x, voxel.y, voxel.z}) > trabeculae_resolved_mm) return result;
   result.trabeculae = mask_where(result.parts, is_wall);

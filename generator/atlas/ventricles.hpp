@@ -33,6 +33,10 @@ struct HeartFrame {
   double length_mm = 0;  ///< from base_point_mm to the apex along the long axis
 };
 
+struct Plane {
+  Vec3 point_mm, normal;  ///< unit, to the apex
+};
+
 struct Ventricles {
   Volume<std::uint8_t> parts;  ///< tags of Part; isotropic, identity direction; goes on above the base, so that walls
                                ///< end there neither at an endocardium nor at an epicardium
@@ -40,6 +44,7 @@ struct Ventricles {
   Mask trabeculae;  ///< 1 where a voxel of a cavity is a ridge of its wall; empty where labels are too coarse for them
   Volume<std::uint8_t> beyond;  ///< lv_cavity or rv_cavity where blood beyond a valve goes on through its orifice, else
                                 ///< outside; empty where no valves are known
+  std::optional<Plane> cut;     ///< where labels end though the heart goes on; the parts above are made up
   double label_spacing_mm = 0;  ///< of the labels that the parts come from: how coarse their steps are; 0: as the parts
 };
 
@@ -47,7 +52,12 @@ inline double depth_below_base_mm(const HeartFrame& frame, const Vec3& point_mm)
   return dot(point_mm - frame.base_point_mm, frame.base_normal);
 }
 
-/// The parts with everything above the base plane taken away, as the atlas ends there.
+/// How far below a plane, to the apex.
+inline double depth_below_mm(const Plane& plane, const Vec3& point_mm) {
+  return dot(point_mm - plane.point_mm, plane.normal);
+}
+
+/// The parts with everything above the base plane, and above the cut, taken away, as the atlas ends there.
 Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles);
 
 /// Ventricles of a label map (tags of labels.hpp) resampled to `spacing_mm`. Papillary muscles count as cavity. The
@@ -82,7 +92,7 @@ AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm);
 /// Slices' centroids of the left ventricle, only those clear of a tilted base, iterated.
 HeartFrame heart_frame(const Volume<std::uint8_t>& parts, const Vec3& base_point_mm, const Vec3& base_normal);
 
-/// Continues the parts above the base plane by their mirror image.
-void mirror_above_base(Volume<std::uint8_t>& parts, const Vec3& base_point_mm, const Vec3& base_normal);
+/// Continues the parts above a plane straight along the axis, so that walls go through it without a bend.
+void continue_above(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis);
 
 }  // namespace heart::atlas

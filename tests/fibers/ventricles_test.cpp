@@ -7,6 +7,7 @@
 
 #include "datasets/phantom/phantom.hpp"
 #include "generator/atlas/coordinates.hpp"
+#include "generator/atlas/openings.hpp"
 #include "generator/atlas/quadratic_continuation.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/fibers/hearts.hpp"
@@ -82,13 +83,15 @@ TEST(HeartHandedness, AMirroredPatientIsRefusedByName) {
   }
 }
 
-/// Mean error of the left wall's depth within `reach_mm` below a plane.
-double depth_error_below(const LabelledHeart& heart, const Vec3& point, const Vec3& normal, double reach_mm) {
+/// Mean error of a wall's depth within `reach_mm` below a plane.
+double depth_error_below(const LabelledHeart& heart, Part part, const Vec3& point, const Vec3& normal,
+                         double reach_mm) {
   const auto ventricles = atlas::ventricles_of_labels(heart.labels, {}, heart.labels.grid.spacing_mm.x);
-  const auto wall = wall_coordinates(ventricles, Part::lv_wall);
+  const auto wall = wall_coordinates(ventricles, part);
+  const auto region = part == Part::lv_wall ? Region::lv_myocardium : Region::rv_myocardium;
   double sum = 0, count = 0;
   for (std::size_t v = 0; v < heart.labels.voxels.size(); ++v) {
-    if (heart.labels.voxels[v] != tag(Region::lv_myocardium)) continue;
+    if (heart.labels.voxels[v] != tag(region)) continue;
     const Vec3 p = atlas::voxel_center(heart.labels.grid, static_cast<std::int64_t>(v));
     if (dot(point - p, normal) > reach_mm) continue;
     const double known = datasets::depth_at(heart.model, p);
@@ -114,7 +117,70 @@ TEST(CutVentricles, WallsGoOnAcrossACutThatIsNotSquareToTheAxis) {
     const Vec3 p = atlas::voxel_center(heart.labels.grid, static_cast<std::int64_t>(v));
     if (!ventricle || dot(p - point, normal) > 0) label = 0;
   }
-  EXPECT_LT(depth_error_below(heart, point, normal, 12), 0.06);
+  EXPECT_LT(depth_error_below(heart, Part::lv_wall, point, normal, 12), 0.06);
+  // The right wall also ends at both of its valves, which lie below this cut and beyond which nothing is labelled.
+  EXPECT_LT(depth_error_below(heart, Part::rv_wall, point, normal, 30), 0.08);
+}
+
+Grid millimetre_grid(const Index3& size) {
+  Grid grid;
+  grid.size = size;
+  return grid;
+}
+
+TEST(CutVentricles, StraightWallsGoStraightThroughTheCut) {
+  Volume<std::uint8_t> parts(millimetre_grid({40, 40, 40}));
+  const Vec3 axis = normalized({0.3, 0, -1}), normal = normalized({-0.2, 0.1, -1}), middle{20, 20, 20};
+  const auto part_at = [&](const Vec3& p) {
+    const double radius = norm(cross(p - middle, axis));
+    return tag(radius < 6 ? Part::lv_cavity : radius < 11 ? Part::lv_wall : Part::outside);
+  };
+  const atlas::Plane plane{middle, normal};
+  const auto center = [&](std::size_t v) { return atlas::voxel_center(parts.grid, static_cast<std::int64_t>(v)); };
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v)
+    if (depth_below_mm(plane, center(v)) >= 0) parts.voxels[v] = part_at(center(v));
+  continue_above(parts, plane, axis);
+  std::int64_t wrong = 0, walls = 0;
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    const double height = -depth_below_mm(plane, center(v));
+    if (height < 0 || height > 8) continue;
+    walls += parts.voxels[v] == tag(Part::lv_wall);
+    const double radius = norm(cross(center(v) - middle, axis));
+    if (std::abs(radius - 6) > 1.5 && std::abs(radius - 11) > 1.5) wrong += parts.voxels[v] != part_at(center(v));
+  }
+  EXPECT_GT(walls, 1000);
+  EXPECT_EQ(wrong, 0);
+}
+
+/// A wide cavity under a lid with a hole, from which a tube leads to the side (+x) and ends open.
+Part chamber_with_two_orifices(const Vec3& p) {
+  const double radius = std::hypot(p.x - 35, p.y - 35), tube = std::hypot(p.y - 35, p.z - 25);
+  if (p.z < 8 || p.z > 44) return Part::outside;
+  if (radius < 20 && p.z > 12 && p.z < 40) return Part::rv_cavity;
+  if (tube < 8 && p.x > 35 && p.x < 70) return Part::rv_cavity;
+  if (radius < 9 && p.z >= 40) return Part::rv_cavity;
+  if (radius < 24 || (tube < 11 && p.x > 35 && p.x < 70)) return Part::rv_wall;
+  return Part::outside;
+}
+
+TEST(CutVentricles, OrificesBelowTheCutAreFoundWhereBloodMeetsNothing) {
+  Volume<std::uint8_t> parts(millimetre_grid({90, 70, 60}));
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v)
+    parts.voxels[v] = tag(chamber_with_two_orifices(atlas::voxel_center(parts.grid, static_cast<std::int64_t>(v))));
+  const auto before = parts;
+  const auto beyond = atlas::open_orifices(parts, {{35, 35, 55}, {0, 0, -1}});
+  // Over the lid, also beside its hole, the wall ends; the inlet's blood does not go on.
+  EXPECT_TRUE(is(parts(35, 35, 47), Part::other) && is(parts(51, 35, 47), Part::other));
+  EXPECT_TRUE(is(beyond(35, 35, 47), Part::outside));
+  // At the tube's end it ends as well, and the blood goes on no wider than the tube.
+  EXPECT_TRUE(is(parts(74, 35, 25), Part::other) && is(beyond(74, 35, 25), Part::rv_cavity));
+  EXPECT_TRUE(is(beyond(74, 35 + 10, 25), Part::outside));
+  // Beside the chamber and the tube is its outer surface, as before, and no tissue has changed.
+  EXPECT_TRUE(is(parts(35, 65, 25), Part::outside) && is(parts(65, 50, 25), Part::outside));
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v)
+    if (!is(before.voxels[v], Part::outside)) {
+      ASSERT_EQ(parts.voxels[v], before.voxels[v]);
+    }
 }
 
 TEST(QuadraticContinuation, IsExactForPlanesAndHoldsTheCurvatureOfASphere) {

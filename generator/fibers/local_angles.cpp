@@ -13,6 +13,7 @@ namespace {
 using atlas::AxisTensor;
 constexpr double position_scale_mm = 5, depth_scale = 0.04, height_scale = 0.05, angle_scale = 0.15;
 constexpr std::size_t neighbors = 24;
+constexpr double doubtful_off_wall = 0.03;  // squared sine of 10 degrees
 
 struct FeatureCloud {
   const std::vector<WallFeature>& points;
@@ -32,6 +33,10 @@ struct Neighbor {
   double squared_distance;
 };
 
+/// Fibres lie along their wall. Where one does not, the wall's directions there are most likely wrong, as at corners
+/// and ends of the wall, and so is the angle that was measured in them.
+double trust(const AxisTensor& local) { return 1 / (1 + local.c[2] / doubtful_off_wall); }
+
 /// Value at the query of a weighted linear fit. The slopes are damped, the more the farther the samples are, so that
 /// far from all samples the fit falls back to their mean.
 AxisTensor regressed(const AngleSamples& samples, const WallFeature& query, const std::vector<Neighbor>& near) {
@@ -45,7 +50,7 @@ AxisTensor regressed(const AngleSamples& samples, const WallFeature& query, cons
     row(0) = 1;
     for (std::size_t axis = 0; axis < 4; ++axis)
       row(static_cast<Eigen::Index>(axis) + 1) = samples.feature[n.sample][axis] - query[axis];
-    const double weight = std::exp(-0.5 * n.squared_distance / width2);
+    const double weight = trust(samples.tensor[n.sample]) * std::exp(-0.5 * n.squared_distance / width2);
     normal += weight * row * row.transpose();
     for (std::size_t c = 0; c < 6; ++c)
       right.col(static_cast<Eigen::Index>(c)) += weight * samples.tensor[n.sample].c[c] * row;

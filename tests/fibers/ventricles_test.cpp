@@ -187,11 +187,12 @@ TEST(QuadraticContinuation, IsExactForPlanesAndHoldsTheCurvatureOfASphere) {
   constexpr double radius_mm = 30;
   atlas::DistanceSamples samples;
   const auto plane = [](const Vec3& p) { return 2 * p.x - 0.5 * p.y + p.z - 7; };
-  for (double x = -16; x <= 16; x += 2)
-    for (double y = -16; y <= 0; y += 2)
-      for (double z = 28; z <= 40; z += 2) {
-        samples.points_mm.push_back({x, y, z});
-        samples.values.push_back({plane({x, y, z}), norm(Vec3{x, y, z}) - radius_mm});
+  for (int i = -8; i <= 8; ++i)
+    for (int j = -8; j <= 0; ++j)
+      for (int k = 14; k <= 20; ++k) {
+        const Vec3 p{2.0 * i, 2.0 * j, 2.0 * k};
+        samples.points_mm.push_back(p);
+        samples.values.push_back({plane(p), norm(p) - radius_mm});
       }
   const atlas::QuadraticContinuation continued(samples);
   const Vec3 beyond = 34.0 * normalized({0, 0.12, 1});  // 4 mm from the nearest sample, 4 mm above the sphere

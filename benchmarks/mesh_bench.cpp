@@ -13,10 +13,7 @@
 #include "benchmarks/mesh_domains.hpp"
 #include "benchmarks/mesh_measures.hpp"
 #include "generator/adapters/cgal_mesher.hpp"
-#include "generator/lattice/balance.hpp"
 #include "generator/lattice/feature.hpp"
-#include "generator/lattice/repair.hpp"
-#include "generator/lattice/stuff.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/parallel/threads.hpp"
 
@@ -46,44 +43,28 @@ double exact_volume_of(const AnalyticDomain& domain) {
   return sum * step * step * step;
 }
 
-/// Stuffed, settled, repaired and balanced; where a cell stays too bad, once more with shorter snaps, then with finer
-/// edges.
+/// As the product meshes; where a cell stays too bad, again with finer edges.
 struct Meshed {
   Complex complex;
   int tries = 0;
   double edge_mm = 0;
 };
 
-Meshed mesh_of(AnalyticDomain domain, double least_deg, double greatest_deg, const lattice::RepairSettings& repairing) {
-  constexpr std::array reaches{0.5, 0.42};
+Meshed mesh_of(AnalyticDomain domain, double least_deg, double greatest_deg, const mesh::LatticeAims& aims) {
   constexpr int refinements = 2;
   constexpr std::int64_t crumb_cells = 30;
   mesh::LabelSet inside{};
   for (std::size_t label = 1; label <= domain.fields.size(); ++label) inside[label] = true;
   Meshed meshed;
-  for (int finer = 0; finer <= refinements; ++finer, domain.edge_mm *= 0.8)
-    for (const double reach : reaches) {
-      lattice::StuffSettings stuffing;
-      stuffing.edge_reach = reach;
-      const auto materials = materials_of(domain);
-      auto& c = meshed.complex = lattice::stuff(materials, stuffing);
-      mesh::settle(c, std::span(&inside, 1), crumb_cells);
-      lattice::repair(c, materials, repairing);
-      lattice::balance_surfaces(c, materials, repairing.least);
-      lattice::compress(c);
-      ++meshed.tries;
-      meshed.edge_mm = domain.edge_mm;
-      const auto angles = angles_of(c);
-      if (angles.least >= least_deg && angles.greatest <= greatest_deg) return meshed;
-    }
+  for (int finer = 0; finer <= refinements; ++finer, domain.edge_mm *= 0.8) {
+    mesh::LatticeReport report;
+    meshed.complex = mesh::lattice_complex(materials_of(domain), std::span(&inside, 1), crumb_cells, &report, aims);
+    for (const auto& [step, taken] : report.seconds) meshed.tries += step == "stuff" ? 1 : 0;
+    meshed.edge_mm = domain.edge_mm;
+    const auto angles = angles_of(meshed.complex);
+    if (angles.least >= least_deg && angles.greatest <= greatest_deg) break;
+  }
   return meshed;
-}
-
-// One material is worth the last degrees.
-lattice::RepairSettings thorough() {
-  lattice::RepairSettings settings;
-  settings.least = settings.goal;
-  return settings;
 }
 
 double add_ventricles(Table& table) {
@@ -91,7 +72,7 @@ double add_ventricles(Table& table) {
   const auto materials = materials_of(domain);
   Meshed meshed;
   const double processor = processor_seconds();
-  const double time = seconds([&] { meshed = mesh_of(domain, 0, 180, thorough()); });
+  const double time = seconds([&] { meshed = mesh_of(domain, 0, 180, mesh::one_material); });
   const double used = processor_seconds() - processor;
   const auto& c = meshed.complex;
   const auto angles = angles_of(c);
@@ -154,9 +135,9 @@ void add_random_walls(Table& table) {
 
 void add_scaling(Table& table) {
   double time_before = 0, bytes_before = 0, cells_before = 0;
-  constexpr int doublings = 8;  // 100 k to 20 M cells
-  constexpr double most_bytes_per_cell = 500;
-  for (int doubling = 0; doubling < doublings; ++doubling) {
+  constexpr int sizes = 9;  // 100 k to 25 M cells
+  constexpr double most_bytes_per_cell = 300;
+  for (int doubling = 0; doubling < sizes; ++doubling) {
     const double edge = 2.27 * std::exp2(-doubling / 3.0);
     Meshed meshed;
     if (2 * cells_before * most_bytes_per_cell > free_bytes()) {

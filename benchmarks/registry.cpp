@@ -8,11 +8,11 @@ const std::vector<Benchmark>& all() {
       {"ranks", "the PDE stages on all ranks against one (run under mpirun)", bench_ranks},
       {"segment", "denoising and the default tree of L1 Chan-Vese splits on a phantom", bench_segment},
       {"epicardium", "the walls of the ventricles and atria as minimal cuts on a phantom", bench_epicardium},
-      // First of the meshes: memory that others gave back would not be counted.
       {"mesh-scaling", "the lattice mesher from 100 k to 20 M cells, as far as memory goes", bench_mesh_scaling},
       {"mesh-ventricles", "1.25 M cells of analytic ventricles, next to CGAL's Mesh_3", bench_mesh_ventricles},
       {"mesh-myocardium", "the walls of a label map as one material, next to CGAL's Mesh_3", bench_mesh_myocardium},
       {"mesh-walls", "200 random walls of three materials", bench_mesh_walls},
+      {"mesh-backends", "the heart of a label map by every back end of the mesher", bench_mesh_backends},
       {"mesh-torso", "heart and torso of a label map: angles, distances, volumes", bench_mesh_torso},
       {"mesh-vessels", "trachea of a label map and a carotid of 540 k cells, next to CGAL", bench_mesh_vessels},
       {"mesh-slice", "the 2D thorax slice of thesis 8.3.1", bench_mesh_slice},

@@ -14,6 +14,7 @@
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
 #include "model/error.hpp"
+#include "model/feature_curves.hpp"
 
 namespace heart::exporters {
 namespace {
@@ -59,10 +60,12 @@ void move_into_place(const fs::path& prepared, const fs::path& folder) {
 }
 
 void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
-  for (const char* name : {"meshes", "surfaces", "images", "validation"}) fs::create_directories(folder / name);
+  for (const char* name : {"meshes", "surfaces", "curves", "images", "validation"})
+    fs::create_directories(folder / name);
   for (const auto& [name, mesh] : bundle.meshes) {
     adapters::write_vtu(folder / manifest.meshes.at(name).file, mesh);
     adapters::write_vtp(folder / manifest.meshes.at(name).surface_file, mesh);
+    adapters::write_curves(folder / manifest.meshes.at(name).curve_file, mesh, feature_curves(mesh));
   }
   if (!bundle.labels.voxels.empty())
     adapters::write_volume((folder / "images" / "labels.nii.gz").string(), bundle.labels);

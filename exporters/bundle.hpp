@@ -44,12 +44,14 @@ struct Bundle {
 struct ManifestMesh {
   std::string file;          ///< meshes/NAME.vtu
   std::string surface_file;  ///< surfaces/NAME.vtp
+  std::string curve_file;    ///< curves/NAME.vtp; empty in bundles of before
   std::int64_t nodes = 0;
   std::int64_t cells = 0;
   std::int64_t faces = 0;
   std::map<std::string, std::int64_t> regions;   ///< name: cells
   std::map<std::string, std::int64_t> surfaces;  ///< name: faces
   std::map<std::string, std::int64_t> rims;      ///< name: nodes
+  std::map<std::string, std::int64_t> curves;    ///< name: edges
   friend bool operator==(const ManifestMesh&, const ManifestMesh&) = default;
 };
 

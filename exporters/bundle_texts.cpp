@@ -73,6 +73,7 @@ constexpr const char* readme_files = R"(## Files
 |---|---|
 | `meshes/NAME.vtu` | tetrahedra with regions and fibres |
 | `surfaces/NAME.vtp` | outer faces and region interfaces of that mesh, each face once, each with one label; its rims |
+| `curves/NAME.vtp` | the mesh's edges at which surfaces meet: rims of orifices and ends, lines between walls |
 | `images/labels.nii.gz` | label map on the grid of the CT, values are the region tags below |
 | `validation/metrics.json`, `validation/report.html` | the certificate: every figure and its bound; the same to look at |
 | `recipe.toml` | the recipe with every setting written out: build it again with `heartgen build recipe.toml` |
@@ -98,6 +99,8 @@ head. Many codes want metres, centimetres or micrometres: `heartgen export` conv
 | `.vtp` points | `GlobalNodeID` | int32 | **1-based** node of the point in the `.vtu` |
 | `.vtp` points | one per rim, with the rim's name | uint8 | 1 on the rim: the curve where that surface ends |
 | `.vtp` field | `rim_tag` | int32 | tags of the rims, in the order of their arrays |
+| `curves/` cells | `curve` | int32 | 0-based number of the edge's curve |
+| `curves/` field | `curve_name` | string | the curves' names: the surfaces that meet there, joined by `+` |
 
 )";
 

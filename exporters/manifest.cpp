@@ -7,6 +7,7 @@
 
 #include "exporters/files.hpp"
 #include "model/error.hpp"
+#include "model/feature_curves.hpp"
 #include "model/labels.hpp"
 
 namespace heart::exporters {
@@ -34,6 +35,9 @@ void to_json(Json& json, const ManifestMesh& mesh) {
   json = {
       {"file", mesh.file},   {"surface_file", mesh.surface_file}, {"nodes", mesh.nodes}, {"cells", mesh.cells},
       {"faces", mesh.faces}, {"regions", mesh.regions},           {"rims", mesh.rims},   {"surfaces", mesh.surfaces}};
+  if (mesh.curve_file.empty()) return;
+  json["curve_file"] = mesh.curve_file;
+  json["curves"] = mesh.curves;
 }
 void from_json(const Json& json, ManifestMesh& mesh) {
   json.at("file").get_to(mesh.file);
@@ -44,18 +48,26 @@ void from_json(const Json& json, ManifestMesh& mesh) {
   json.at("regions").get_to(mesh.regions);
   json.at("rims").get_to(mesh.rims);
   json.at("surfaces").get_to(mesh.surfaces);
+  if (!json.contains("curve_file")) return;
+  json.at("curve_file").get_to(mesh.curve_file);
+  json.at("curves").get_to(mesh.curves);
 }
 
 namespace {
 
 ManifestMesh describe_mesh(const std::string& name, const TetMesh& mesh) {
-  ManifestMesh result{"meshes/" + name + ".vtu", "surfaces/" + name + ".vtp", {}, {}, {}, {}, {}, {}};
+  ManifestMesh result;
+  result.file = "meshes/" + name + ".vtu";
+  result.surface_file = "surfaces/" + name + ".vtp";
+  result.curve_file = "curves/" + name + ".vtp";
   result.nodes = static_cast<std::int64_t>(mesh.nodes_mm.size());
   result.cells = static_cast<std::int64_t>(mesh.cells.size());
   result.faces = static_cast<std::int64_t>(mesh.faces.size());
   for (const auto tag : mesh.region) ++result.regions[region_name(tag)];
   for (const auto tag : mesh.surface) ++result.surfaces[surface_name(tag)];
   for (const auto& rim : mesh.rims) result.rims[rim.name] = static_cast<std::int64_t>(rim.nodes.size());
+  for (const auto& curve : feature_curves(mesh))
+    result.curves[curve_name(curve)] = static_cast<std::int64_t>(curve.edges.size());
   return result;
 }
 

@@ -32,8 +32,9 @@ std::string defect_of(const fs::path& folder, const ManifestFile& file) {
 
 void check_mesh_entries(const Manifest& manifest, const std::set<std::string>& listed, std::vector<Problem>& problems) {
   for (const auto& [name, mesh] : manifest.meshes)
-    for (const auto& path : {mesh.file, mesh.surface_file})
-      if (!listed.count(path)) problems.push_back({path, "file of mesh '" + name + "' is not in the manifest's list"});
+    for (const auto& path : {mesh.file, mesh.surface_file, mesh.curve_file})
+      if (!path.empty() && !listed.count(path))
+        problems.push_back({path, "file of mesh '" + name + "' is not in the manifest's list"});
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
+#include <vtkStringArray.h>
 #include <vtkTypeInt32Array.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
@@ -21,6 +22,7 @@
 #include <algorithm>
 
 #include "generator/adapters/vtk_guard.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::adapters {
 namespace {
@@ -187,6 +189,37 @@ void write_vtu(const std::filesystem::path& path, const TetMesh& mesh) {
 
 void write_vtp(const std::filesystem::path& path, const TetMesh& mesh) {
   write_patch(path, mesh, face_patch(mesh, nullptr), mesh.rims);
+}
+
+void write_curves(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<FeatureCurve>& curves) {
+  std::vector<std::int32_t> nodes, number;
+  std::vector<NodePair> lines;
+  vtkNew<vtkStringArray> names;
+  names->SetName("curve_name");
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    names->InsertNextValue(curve_name(curves[c]));
+    for (const auto& edge : curves[c].edges) {
+      lines.push_back(edge);
+      number.push_back(static_cast<std::int32_t>(c));
+      nodes.insert(nodes.end(), edge.begin(), edge.end());
+    }
+  }
+  sort_unique(nodes);
+  for (auto& line : lines)
+    for (auto& node : line) node = static_cast<std::int32_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
+  std::vector<Vec3> points;
+  std::vector<std::int32_t> global_ids;
+  for (const auto node : nodes) {
+    points.push_back(mesh.nodes_mm[static_cast<std::size_t>(node)]);
+    global_ids.push_back(node + 1);
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(borrow_points(points));
+  data->SetLines(cell_array(lines));
+  data->GetCellData()->AddArray(borrow("curve", number));
+  data->GetPointData()->AddArray(borrow("GlobalNodeID", global_ids));
+  data->GetFieldData()->AddArray(names);
+  write_xml<vtkXMLPolyDataWriter>(path, data);
 }
 
 void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, std::int32_t surface_tag) {

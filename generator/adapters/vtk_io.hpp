@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "model/feature_curves.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/tri_mesh.hpp"
 
@@ -27,6 +28,10 @@ void write_vtu(const std::filesystem::path& path, const TetMesh& mesh);
 
 /// Faces, surface tags and rims of a mesh.
 void write_vtp(const std::filesystem::path& path, const TetMesh& mesh);
+
+/// Nodes and edges of the curves where surfaces meet: cell array `curve` int32, the number of the edge's curve; field
+/// array `curve_name`, their names in order; point array `GlobalNodeID` int32 as in NAME.vtp.
+void write_curves(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<FeatureCurve>& curves);
 
 /// Only the faces whose tag is `surface_tag`, with the points they use.
 void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, std::int32_t surface_tag);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,7 @@
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/segment/filters.hpp"
 #include "model/error.hpp"
+#include "model/feature_curves.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 #include "validation/contour_fit.hpp"
@@ -270,6 +272,10 @@ int mesh_command(const MeshCommand& command) {
   if (command.wall_layers) settings.wall_layers = *command.wall_layers;
   if (!command.backend.empty()) settings.backend = command.backend;
   mesh::LatticeReport steps;
+  steps.on_step = [](const std::string& step, double seconds) {
+    fmt::print(stderr, "  {:<8} {:7.2f} s\n", step, seconds);
+    std::fflush(stderr);
+  };
   const LabelVolume labels = adapters::read_labels(command.labels);
   Volume<float> own_edges_mm;
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
@@ -279,14 +285,15 @@ int mesh_command(const MeshCommand& command) {
   fs::path faces(command.output);
   adapters::write_vtp(faces.replace_extension(".vtp"), mesh);
   const std::string name = fs::path(command.output).stem().string();
+  const auto curves = fs::path(command.output).replace_filename(name + "_curves.vtp");
+  adapters::write_curves(curves, mesh, feature_curves(mesh));
   Report report = validation::check_mesh(name, mesh, {});
   append(report, check_fidelity(name, mesh, labels, settings, {}));
   if (command.json)
     fmt::print("{}\n", exporters::report_json(report));
   else {
-    fmt::print("{}: {} nodes, {} cells; faces in {}\n", command.output, mesh.nodes_mm.size(), mesh.cells.size(),
-               faces.string());
-    for (const auto& [step, seconds] : steps.seconds) fmt::print("  {:<8} {:7.2f} s\n", step, seconds);
+    fmt::print("{}: {} nodes, {} cells; faces in {}, curves in {}\n", command.output, mesh.nodes_mm.size(),
+               mesh.cells.size(), faces.string(), curves.string());
     print_rows(report, false);
   }
   return all_passed(report) ? 0 : validation_failed;

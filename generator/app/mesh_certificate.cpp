@@ -6,6 +6,7 @@
 #include "generator/mesh/domain.hpp"
 #include "generator/parallel/tasks.hpp"
 #include "model/labels.hpp"
+#include "validation/curve_fidelity.hpp"
 #include "validation/label_fidelity.hpp"
 #include "validation/mesh_checks.hpp"
 
@@ -52,7 +53,10 @@ Report fidelity_rows(const std::string& mesh_name, const TetMesh& mesh, const st
     const Vec3 index = index_from_lps(domain.grid, lps_mm);
     return in_field_of_view(domain.grid, index) ? mesh::region_at(domain, index) : 0;
   };
-  return validation::check_against_labels(mesh_name, mesh, faces, only_regions(labels, mesh_name), label_at, bounds);
+  auto rows =
+      validation::check_against_labels(mesh_name, mesh, faces, only_regions(labels, mesh_name), label_at, bounds);
+  append(rows, validation::check_curves(mesh_name, mesh, faces, labels, label_at));
+  return rows;
 }
 
 }  // namespace

@@ -175,25 +175,6 @@ void bind_to_curves(Nodes& nodes, const Simplices& simplices, const Setting& s, 
     }
 }
 
-/// Faces (edges, in two dimensions: the first node is -1) that one simplex has alone, nodes and faces ascending.
-std::vector<Face> hull_faces(const Simplices& inside) {
-  std::vector<Face> faces;
-  for (const auto& cell : inside.cells)
-    for (std::size_t left_out = 0; left_out < inside.corners; ++left_out) {
-      Face face{-1, -1, -1};
-      for (std::size_t i = 0, k = 0; i < inside.corners; ++i)
-        if (i != left_out) face[k++] = cell[i];
-      std::sort(face.begin(), face.end());
-      faces.push_back(face);
-    }
-  std::sort(faces.begin(), faces.end());
-  std::vector<Face> hull;
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    if ((f == 0 || faces[f - 1] != faces[f]) && (f + 1 == faces.size() || faces[f + 1] != faces[f]))
-      hull.push_back(faces[f]);
-  return hull;
-}
-
 constexpr LabelBits hull_bits = bit_of(0) | lattice::side_bits;
 
 /// The side of the box within `reach_mm`, or none.

@@ -43,6 +43,24 @@ std::vector<Edge> edges_of(const Simplices& simplices, std::size_t node_count) {
   return edges;
 }
 
+std::vector<Face> hull_faces(const Simplices& inside) {
+  std::vector<Face> faces;
+  for (const auto& cell : inside.cells)
+    for (std::size_t left_out = 0; left_out < inside.corners; ++left_out) {
+      Face face{-1, -1, -1};
+      for (std::size_t i = 0, k = 0; i < inside.corners; ++i)
+        if (i != left_out) face[k++] = cell[i];
+      std::sort(face.begin(), face.end());
+      faces.push_back(face);
+    }
+  std::sort(faces.begin(), faces.end());
+  std::vector<Face> hull;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if ((f == 0 || faces[f - 1] != faces[f]) && (f + 1 == faces.size() || faces[f + 1] != faces[f]))
+      hull.push_back(faces[f]);
+  return hull;
+}
+
 Vec3 center_of(const Nodes& nodes, const Cell& cell, std::size_t corners) {
   Vec3 sum;
   for (std::size_t i = 0; i < corners; ++i) sum += nodes.at_mm[static_cast<std::size_t>(cell[i])];

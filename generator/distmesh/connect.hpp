@@ -22,6 +22,9 @@ Simplices delaunay(const Nodes& nodes, Dimension dimension);
 /// Every edge once, ascending.
 std::vector<Edge> edges_of(const Simplices& simplices, std::size_t node_count);
 
+/// Faces (edges, in two dimensions: the first node is -1) that one simplex has alone, nodes and faces ascending.
+std::vector<Face> hull_faces(const Simplices& simplices);
+
 Vec3 center_of(const Nodes& nodes, const Cell& cell, std::size_t corners);
 
 /// What a simplex is made of: the label that all of its nodes touch; where there is none or more than one, the label at

@@ -269,6 +269,7 @@ Truss relax(Nodes start, const Materials& materials, Dimension dimension, const 
   auto connected_at = nodes.at_mm;
   for (int i = 1; i <= settings.iterations; ++i) {
     truss.iterations = i;
+    if (settings.on_tenth && 10 * i / settings.iterations != 10 * (i - 1) / settings.iterations) settings.on_tenth();
     if (move_nodes(nodes, bars, problem) < settings.still) break;
     const bool controls = i % control_every == 0 && i < control_until * settings.iterations;
     if (!controls && share_moved(nodes, connected_at, problem) < settings.moved_share) continue;

@@ -11,6 +11,7 @@
 // 5. It ends when no node moves by more than a small share of its edge, or after `iterations`.
 // Same input, same bits.
 #pragma once
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct TrussSettings {
   double moved_share = 0.01;   ///< so large a share of all nodes
   double still = 0.002;        ///< movement (in edges) per iteration at which the truss is at rest
   double shortest_bar = 0.55, longest_bar = 1.6;  ///< in wanted lengths: beyond, nodes are removed and added
+  std::function<void()> on_tenth;                 ///< called after each tenth of the iterations, if there is one
   std::vector<Vec3> fixed_mm;                     ///< nodes at corners and rims that the mesh must have
 };
 

@@ -1,5 +1,6 @@
 #include "generator/distmesh/tetrahedra.hpp"
 
+#include "generator/distmesh/connect.hpp"
 #include "generator/lattice/octree.hpp"
 
 namespace heart::distmesh {
@@ -11,6 +12,13 @@ lattice::Complex complex_of(const Truss& truss, const Materials& materials) {
     complex.touches.push_back(truss.nodes.touches[n] & lattice::side_bits);
     complex.spacing_mm.push_back(
         static_cast<float>(materials.edge_mm(truss.nodes.at_mm[n]) / lattice::mean_edge_per_cell));
+  }
+  // Beyond the hull of all nodes there is no simplex that could tell of the outside.
+  for (const auto& face : hull_faces(truss.simplices)) {
+    LabelBits shared = lattice::side_bits;
+    for (const auto n : face) shared &= complex.touches[static_cast<std::size_t>(n)];
+    for (const auto n : face)
+      if (shared == 0) complex.touches[static_cast<std::size_t>(n)] |= lattice::hull_bit;
   }
   complex.cells = truss.simplices.cells;
   complex.label = truss.label;

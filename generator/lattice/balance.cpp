@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/surface_faces.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::lattice {
@@ -32,30 +33,6 @@ Offset offset_at(const Materials& materials, LabelBits labels, const Vec3& point
   const auto& e = feature.equations[0];
   const double slope = std::max(norm(e.gradient), least_slope);
   return {e.value / slope, e.gradient / slope};
-}
-
-/// A face between cells of two labels, or between a cell and the outside.
-struct SurfaceFace {
-  Face nodes;
-  LabelBits labels = 0;
-};
-
-std::vector<SurfaceFace> surface_faces(const Complex& c) {
-  std::vector<SurfaceFace> faces;
-  for (std::size_t t = 0; t < c.cells.size(); ++t) {
-    const Cell& cell = c.cells[t];
-    if (cell[0] < 0) continue;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto a = cell[(i + 1) % 4], b = cell[(i + 2) % 4], d = cell[(i + 3) % 4];
-      const LabelBits shared = c.bits(a) & c.bits(b) & c.bits(d);
-      if (std::popcount(shared & ~side_bits) < 2 || (shared & side_bits) != 0) continue;
-      const auto pair = cells_at_face(c, a, b, d);
-      if (pair[0] != static_cast<std::int32_t>(t)) continue;
-      const LabelBits labels = bit_of(c.label[t]) | (pair[1] < 0 ? bit_of(0) : bit_of(c.label_of(pair[1])));
-      if (is_constrained(labels)) faces.push_back({{a, b, d}, labels});
-    }
-  }
-  return faces;
 }
 
 /// What one round measures; all per node but `center`.
@@ -128,7 +105,8 @@ void balance_surfaces(Complex& c, const Materials& materials, double least_quali
   for (int round = 0; round < rounds; ++round) {
     const auto shift = shifts_of(c, faces, measure(c, materials, faces));
     for (std::size_t n = 0; n < shift.size(); ++n)
-      if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]))
+      if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) &&
+          !c.is_frozen(static_cast<std::int32_t>(n)))
         shift_node(c, static_cast<std::int32_t>(n), shift[n], 3, least_quality);
   }
 }

@@ -9,6 +9,7 @@
 #include "generator/lattice/quality.hpp"
 #include "generator/lattice/ring.hpp"
 #include "generator/lattice/smooth.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -30,8 +31,7 @@ std::vector<std::int32_t> neighbours(const Complex& c, std::int32_t node) {
   for (const auto t : c.star(node))
     for (const auto n : c.cell(t))
       if (n != node) nodes.push_back(n);
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 
@@ -146,18 +146,11 @@ bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, st
   return true;
 }
 
-bool divide_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
-                 double tolerance) {
-  constexpr double shortest = 0.5;  // in lattice widths: dividing again and again only makes the bad cells smaller
-  const double width = static_cast<double>(
-      std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]));
-  if (norm(c.at(a) - c.at(b)) < shortest * width) return false;
+std::int32_t halve_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b) {
   const auto ring = ring_around(c, a, b);
-  if (ring.size == 0) return false;
-  const double old = worst_quality(c, std::span(ring.cells.data(), ring.size));
-  if (old <= 0) return false;
+  if (ring.size == 0) return -1;
   const LabelBits touches = touches_of(c, ring, a, b);
-  if (is_constrained(touches) && c.is_frozen(a) && c.is_frozen(b)) return false;
+  if (is_constrained(touches) && c.is_frozen(a) && c.is_frozen(b)) return -1;
   const Vec3 middle = project(materials, touches, 0.5 * (c.at(a) + c.at(b)), 3);
   const auto at = [&](std::int32_t n) { return c.spacing_mm[static_cast<std::size_t>(n)]; };
   const auto node = add_node(c, middle, touches, std::min(at(a), at(b)));
@@ -172,6 +165,23 @@ bool divide_edge(Complex& c, const Materials& materials, std::int32_t a, std::in
       std::replace(made.begin(), made.end(), replaced, node);
       add_cell(c, made, label);
     }
+  return node;
+}
+
+bool divide_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
+                 double tolerance) {
+  constexpr double shortest = 0.5;  // in lattice widths: dividing again and again only makes the bad cells smaller
+  const double width = static_cast<double>(
+      std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]));
+  if (norm(c.at(a) - c.at(b)) < shortest * width) return false;
+  const auto ring = ring_around(c, a, b);
+  if (ring.size == 0) return false;
+  const double old = worst_quality(c, std::span(ring.cells.data(), ring.size));
+  if (old <= 0) return false;
+  std::vector<std::pair<Cell, int>> before;
+  for (std::size_t i = 0; i < ring.size; ++i) before.emplace_back(c.cell(ring.cells[i]), c.label_of(ring.cells[i]));
+  const auto node = halve_edge(c, materials, a, b);
+  if (node < 0) return false;
   for (int i = 0; i < 3; ++i) smooth_node(c, materials, node, goal, tolerance);
   if (worst_quality(c, c.star(node)) > old + 10 * least_gain) return true;
   const std::vector<std::int32_t> made(c.star(node).begin(), c.star(node).end());

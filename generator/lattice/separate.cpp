@@ -2,54 +2,28 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "generator/parallel/threads.hpp"
-#include "model/face_tree.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heart::lattice {
 namespace {
 
-// Outer faces, seen from outside anticlockwise. Those in a side of the box have nothing beyond them.
-std::vector<Face> outer_faces(const Complex& c) {
-  constexpr std::array<std::array<std::size_t, 3>, 4> opposite{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-  std::vector<Face> faces;
-  for (const auto& cell : c.cells) {
-    if (cell[0] < 0) continue;
-    for (const auto& corners : opposite) {
-      const Face face{cell[corners[0]], cell[corners[1]], cell[corners[2]]};
-      const LabelBits shared = c.bits(face[0]) & c.bits(face[1]) & c.bits(face[2]);
-      if ((shared & bit_of(0)) != 0 && (shared & side_bits) == 0 && cells_at_face(c, face[0], face[1], face[2])[1] < 0)
-        faces.push_back(face);
-    }
+constexpr std::array<std::array<std::size_t, 3>, 4> opposite{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+
+void add_outer_faces(const Complex& c, const Cell& cell, std::vector<Face>& faces) {
+  for (const auto& corners : opposite) {
+    const Face face{cell[corners[0]], cell[corners[1]], cell[corners[2]]};
+    const LabelBits shared = c.bits(face[0]) & c.bits(face[1]) & c.bits(face[2]);
+    if ((shared & bit_of(0)) != 0 && (shared & side_bits) == 0 && cells_at_face(c, face[0], face[1], face[2])[1] < 0)
+      faces.push_back(face);
   }
-  return faces;
 }
 
-// Whether some material lies less than an edge in front of the face: only there another sheet can come near.
-bool is_before_material(const Complex& c, const Materials& materials, const Face& face) {
-  const Vec3 a = c.at(face[0]), b = c.at(face[1]), d = c.at(face[2]);
-  const Vec3 center = (a + b + d) / 3, normal = normalized(cross(b - a, d - a));
-  const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-  constexpr std::array ways{0.2, 0.4, 0.6, 0.8};
-  return std::any_of(ways.begin(), ways.end(),
-                     [&](double way) { return materials.label_at(center + way * edge * normal) != 0; });
-}
-
-std::vector<Face> narrow_faces(const Complex& c, const Materials& materials) {
-  const auto faces = outer_faces(c);
-  std::vector<std::uint8_t> is_narrow(faces.size());
-  parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
-      is_narrow[f] = is_before_material(c, materials, faces[f]);
-  });
-  std::vector<Face> narrow;
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    if (is_narrow[f] != 0) narrow.push_back(faces[f]);
-  return narrow;
-}
+using Triangle = std::array<Vec3, 3>;
 
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(b - a, cross(c - a, d - a)); }
 
@@ -60,50 +34,125 @@ bool goes_through(const Vec3& from, const Vec3& to, const Triangle& t) {
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
+/// Some faces and where their nodes are.
+struct Faces {
+  const std::vector<Vec3>* nodes_mm;
+  const std::vector<Face>* faces;
+  const Vec3& at(std::int32_t n) const { return (*nodes_mm)[static_cast<std::size_t>(n)]; }
+  const Face& face(std::int32_t f) const { return (*faces)[static_cast<std::size_t>(f)]; }
+};
+
+bool shares_edge(const Face& a, const Face& b) {
+  int shared = 0;
+  for (const auto n : a) shared += n == b[0] || n == b[1] || n == b[2] ? 1 : 0;
+  return shared > 1;
+}
+
 // Whether an edge of `a` that has no node of `b` goes through `b`.
-bool pierces(const Complex& c, const Face& a, const Face& b) {
-  const Triangle t{c.at(b[0]), c.at(b[1]), c.at(b[2])};
+bool pierces(const Faces& all, const Face& a, const Face& b) {
+  const Triangle t{all.at(b[0]), all.at(b[1]), all.at(b[2])};
   const auto is_shared = [&](std::int32_t n) { return n == b[0] || n == b[1] || n == b[2]; };
   for (std::size_t i = 0; i < 3; ++i) {
     const auto from = a[i], to = a[(i + 1) % 3];
-    if (!is_shared(from) && !is_shared(to) && goes_through(c.at(from), c.at(to), t)) return true;
+    if (!is_shared(from) && !is_shared(to) && goes_through(all.at(from), all.at(to), t)) return true;
   }
   return false;
 }
 
-using Pair = std::pair<std::int32_t, std::int32_t>;
+struct FaceBox {
+  Vec3 low, high;
+  bool meets(const FaceBox& o) const {
+    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y && low.z <= o.high.z &&
+           o.low.z <= high.z;
+  }
+  void add(const Vec3& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+};
 
-std::vector<Pair> meeting_faces(const Complex& c, const std::vector<Face>& faces) {
-  const auto tree = make_face_tree(c.nodes_mm, faces);
-  std::vector<std::vector<std::int32_t>> partners(faces.size());
-  parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
-    std::vector<std::int32_t> near;
-    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
-      Vec3 low = c.at(faces[f][0]), high = low;
-      for (const auto n : faces[f])
-        for (int axis = 0; axis < 3; ++axis) {
-          low[axis] = std::min(low[axis], c.at(n)[axis]);
-          high[axis] = std::max(high[axis], c.at(n)[axis]);
-        }
-      near.clear();
-      faces_in_box(tree, low, high, near);
-      for (const auto other : near) {
-        const auto& second = faces[static_cast<std::size_t>(other)];
-        if (static_cast<std::size_t>(other) > f && (pierces(c, faces[f], second) || pierces(c, second, faces[f])))
-          partners[f].push_back(other);
-      }
-      std::sort(partners[f].begin(), partners[f].end());
+FaceBox box_of(const Faces& all, std::int32_t f) {
+  const auto& face = all.face(f);
+  FaceBox box{all.at(face[0]), all.at(face[0])};
+  box.add(all.at(face[1]));
+  box.add(all.at(face[2]));
+  return box;
+}
+
+/// Faces by the cubes of a grid that their boxes meet.
+struct CubeGrid {
+  Vec3 origin;
+  double width = 1;
+  std::array<std::int64_t, 3> size{1, 1, 1};
+  std::vector<std::int32_t> first, faces;  // of cube c: faces[first[c]] to faces[first[c + 1] - 1], ascending
+
+  std::array<std::int64_t, 3> place_of(const Vec3& p) const {
+    std::array<std::int64_t, 3> place{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      place[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>((p[axis] - origin[axis]) / width), 0, size[a] - 1);
     }
-  });
-  std::vector<Pair> pairs;
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    for (const auto other : partners[f]) pairs.emplace_back(static_cast<std::int32_t>(f), other);
-  return pairs;
+    return place;
+  }
+  std::size_t cube_at(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return static_cast<std::size_t>((k * size[1] + j) * size[0] + i);
+  }
+  template <class Body>
+  void for_cubes(const FaceBox& box, Body&& body) const {
+    const auto low = place_of(box.low), high = place_of(box.high);
+    for (auto k = low[2]; k <= high[2]; ++k)
+      for (auto j = low[1]; j <= high[1]; ++j)
+        for (auto i = low[0]; i <= high[0]; ++i) body(cube_at(i, j, k));
+  }
+};
+
+CubeGrid grid_over(const std::vector<FaceBox>& boxes) {
+  constexpr double widths = 1.5;  // of a cube, in mean widths of a box
+  constexpr double most_cubes_per_face = 8;
+  FaceBox all = boxes[0];
+  double sum = 0;
+  for (const auto& box : boxes) {
+    all.add(box.low);
+    all.add(box.high);
+    sum += std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
+  }
+  const Vec3 extent = all.high - all.low;
+  const double room = extent.x * extent.y * extent.z / (most_cubes_per_face * static_cast<double>(boxes.size()));
+  CubeGrid grid;
+  grid.origin = all.low;
+  grid.width = std::max({widths * sum / static_cast<double>(boxes.size()), std::cbrt(room), 1e-9});
+  for (int axis = 0; axis < 3; ++axis)
+    grid.size[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(extent[axis] / grid.width) + 1;
+  grid.first.assign(static_cast<std::size_t>(grid.size[0] * grid.size[1] * grid.size[2]) + 1, 0);
+  for (const auto& box : boxes) grid.for_cubes(box, [&](std::size_t cube) { ++grid.first[cube + 1]; });
+  for (std::size_t cube = 1; cube < grid.first.size(); ++cube) grid.first[cube] += grid.first[cube - 1];
+  grid.faces.resize(static_cast<std::size_t>(grid.first.back()));
+  auto next = grid.first;
+  for (std::size_t f = 0; f < boxes.size(); ++f)
+    grid.for_cubes(boxes[f], [&](std::size_t cube) {
+      grid.faces[static_cast<std::size_t>(next[cube]++)] = static_cast<std::int32_t>(f);
+    });
+  return grid;
+}
+
+// Pairs of faces of one cube whose boxes meet, where this is the first cube that both boxes meet.
+void add_meeting(const Faces& all, const std::vector<FaceBox>& boxes, const CubeGrid& grid, std::size_t cube,
+                 std::vector<FacePair>& pairs) {
+  for (auto i = grid.first[cube]; i < grid.first[cube + 1]; ++i)
+    for (auto j = i + 1; j < grid.first[cube + 1]; ++j) {
+      const auto f = grid.faces[static_cast<std::size_t>(i)], g = grid.faces[static_cast<std::size_t>(j)];
+      const auto &a = boxes[static_cast<std::size_t>(f)], &b = boxes[static_cast<std::size_t>(g)];
+      if (!a.meets(b)) continue;
+      const auto place =
+          grid.place_of({std::max(a.low.x, b.low.x), std::max(a.low.y, b.low.y), std::max(a.low.z, b.low.z)});
+      if (grid.cube_at(place[0], place[1], place[2]) != cube || shares_edge(all.face(f), all.face(g))) continue;
+      if (pierces(all, all.face(f), all.face(g)) || pierces(all, all.face(g), all.face(f))) pairs.emplace_back(f, g);
+    }
 }
 
 // Nodes of the faces that meet others, each once, and the mean direction out of the mesh there.
 std::vector<std::pair<std::int32_t, Vec3>> ways_out(const Complex& c, const std::vector<Face>& faces,
-                                                    const std::vector<Pair>& pairs) {
+                                                    const std::vector<FacePair>& pairs) {
   std::vector<std::int32_t> nodes;
   for (const auto& [one, other] : pairs)
     for (const auto f : {one, other})
@@ -132,14 +181,48 @@ void draw_back(Complex& c, std::int32_t node, const Vec3& way_out, double least_
 
 }  // namespace
 
-std::int64_t separate_sheets(Complex& complex, const Materials& materials, double least_quality) {
+std::vector<Face> outer_faces(const Complex& c) {
+  std::vector<std::vector<Face>> of_piece(static_cast<std::size_t>(parallel::thread_count()));
+  parallel::parallel_for(
+      0, static_cast<std::int64_t>(c.cells.size()), [&](std::int64_t begin, std::int64_t end, int piece) {
+        for (auto t = begin; t < end; ++t)
+          if (c.is_alive(static_cast<std::int32_t>(t)))
+            add_outer_faces(c, c.cell(static_cast<std::int32_t>(t)), of_piece[static_cast<std::size_t>(piece)]);
+      });
+  std::vector<Face> faces;
+  for (const auto& piece : of_piece) faces.insert(faces.end(), piece.begin(), piece.end());
+  return faces;
+}
+
+std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std::vector<Face>& faces) {
+  if (faces.empty()) return {};
+  const Faces all{&nodes_mm, &faces};
+  std::vector<FaceBox> boxes(faces.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto f = begin; f < end; ++f) boxes[static_cast<std::size_t>(f)] = box_of(all, static_cast<std::int32_t>(f));
+  });
+  const auto grid = grid_over(boxes);
+  std::vector<std::vector<FacePair>> of_piece(static_cast<std::size_t>(parallel::thread_count()));
+  parallel::parallel_for(
+      0, static_cast<std::int64_t>(grid.first.size()) - 1, [&](std::int64_t begin, std::int64_t end, int piece) {
+        for (auto cube = begin; cube < end; ++cube)
+          add_meeting(all, boxes, grid, static_cast<std::size_t>(cube), of_piece[static_cast<std::size_t>(piece)]);
+      });
+  std::vector<FacePair> pairs;
+  for (const auto& piece : of_piece) pairs.insert(pairs.end(), piece.begin(), piece.end());
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::int64_t separate_sheets(Complex& complex, double least_quality) {
   constexpr int most_rounds = 8;
-  const auto faces = narrow_faces(complex, materials);
-  for (int round = 0;; ++round) {
-    const auto pairs = meeting_faces(complex, faces);
-    if (pairs.empty() || round == most_rounds) return static_cast<std::int64_t>(pairs.size());
+  const auto faces = outer_faces(complex);
+  auto pairs = meeting_faces(complex.nodes_mm, faces);
+  for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
     for (const auto& [node, way] : ways_out(complex, faces, pairs)) draw_back(complex, node, way, least_quality);
+    pairs = meeting_faces(complex.nodes_mm, faces);
   }
+  return static_cast<std::int64_t>(pairs.size());
 }
 
 }  // namespace heart::lattice

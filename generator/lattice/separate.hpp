@@ -2,15 +2,25 @@
 // that would turn over. Every cell is sound then, but the mesh overlaps itself.
 #pragma once
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "generator/lattice/complex.hpp"
-#include "generator/lattice/materials.hpp"
 
 namespace heart::lattice {
 
-/// Looks at the outer faces before which the outside is narrower than an edge. Draws outer faces that meet others
-/// without sharing what they meet in back into the mesh, where no cell falls below `least_quality` or, if it is below
-/// already, gets worse. Returns how many pairs of faces still meet. The same result for any number of threads.
-std::int64_t separate_sheets(Complex& complex, const Materials& materials, double least_quality);
+/// Faces with nothing but the outside beyond them, seen from there anticlockwise; without those in a side of the box.
+std::vector<Face> outer_faces(const Complex& complex);
+
+/// Two faces by their places in a list, the lower one first.
+using FacePair = std::pair<std::int32_t, std::int32_t>;
+
+/// The pairs of faces that meet without sharing what they meet in, ascending.
+std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std::vector<Face>& faces);
+
+/// Draws outer faces that meet others without sharing what they meet in back into the mesh, where no cell falls below
+/// `least_quality` or, if it is below already, gets worse. Returns how many pairs of faces still meet. The same result
+/// for any number of threads.
+std::int64_t separate_sheets(Complex& complex, double least_quality);
 
 }  // namespace heart::lattice

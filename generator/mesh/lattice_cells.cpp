@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "generator/lattice/balance.hpp"
+#include "generator/lattice/draw.hpp"
+#include "generator/lattice/fit.hpp"
 #include "generator/lattice/repair.hpp"
 #include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
@@ -63,7 +65,7 @@ struct Stopwatch {
   Clock::time_point last = Clock::now();
   void note(const char* step) {
     const auto now = Clock::now();
-    if (report != nullptr) report->seconds.emplace_back(step, std::chrono::duration<double>(now - last).count());
+    if (report != nullptr) report->add(step, std::chrono::duration<double>(now - last).count());
     last = now;
   }
 };
@@ -87,15 +89,22 @@ Attempt attempt(const lattice::Materials& materials, double reach, std::span<con
   watch.note("stuff");
   settle(made.complex, manifold_sets, crumb_cells);
   watch.note("settle");
+  lattice::draw_to_curves(made.complex, materials, stuffing.least_quality);
   lattice::RepairSettings repairing;
   repairing.least = aims.least;
   made.below_goal = lattice::repair(made.complex, materials, repairing);
+  lattice::draw_to_curves(made.complex, materials, repairing.least);
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, repairing.least);
   watch.note("balance");
   lattice::rescue(made.complex, materials, repairing, aims.enough);
   watch.note("rescue");
-  made.meeting = lattice::separate_sheets(made.complex, materials, repairing.least);
+  lattice::FitSettings fitting;
+  fitting.enough = aims.enough;
+  fitting.labels = aims.fitted;
+  lattice::fit_faces(made.complex, materials, repairing, fitting);
+  watch.note("fit");
+  made.meeting = lattice::separate_sheets(made.complex, repairing.least);
   lattice::compress(made.complex);
   made.worst = 1;
   for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));
@@ -106,6 +115,14 @@ Attempt attempt(const lattice::Materials& materials, double reach, std::span<con
 // How far nodes snap decides which configurations arise where several materials meet or the outside is narrow; another
 // reach gives other ones.
 constexpr std::array reaches{0.5, 0.42, 0.36};
+
+lattice::LabelBits heart_bits() {
+  lattice::LabelBits bits = 0;
+  for (const auto& row : region_table())
+    if (const auto region = static_cast<Region>(row.tag); is_myocardium(region) || is_blood(region))
+      bits |= lattice::bit_of(row.tag);
+  return bits;
+}
 
 }  // namespace
 
@@ -134,7 +151,9 @@ adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<flo
                                       std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
                                       LatticeReport* report) {
   const auto materials = materials_of(domain, sizes_mm);
-  return collect(lattice_complex(materials, manifold_sets, crumb_cells, report), domain.grid);
+  LatticeAims aims;
+  aims.fitted = heart_bits();  // the body's edges are too coarse for its creases
+  return collect(lattice_complex(materials, manifold_sets, crumb_cells, report, aims), domain.grid);
 }
 
 }  // namespace heart::mesh

@@ -1,5 +1,6 @@
 // The lattice back end for label maps: the domain of a label map as materials, stuffed, settled and repaired.
 #pragma once
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,16 +12,22 @@
 
 namespace heart::mesh {
 
-/// What one run of the mesher took and gave, for benchmarks.
+/// What one run of the mesher took and gave, for benchmarks and those who wait.
 struct LatticeReport {
-  std::vector<std::pair<std::string, double>> seconds;  ///< wall time of each step, of each try
-  std::int64_t cells_below_goal = 0;                    ///< of the repair
+  std::vector<std::pair<std::string, double>> seconds;                   ///< wall time of each step, of each try
+  std::int64_t cells_below_goal = 0;                                     ///< of the repair
+  std::function<void(const std::string& step, double seconds)> on_step;  ///< called as steps end, if there is one
+  void add(const std::string& step, double taken) {
+    seconds.emplace_back(step, taken);
+    if (on_step) on_step(step, taken);
+  }
 };
 
 /// Qualities (lattice/quality.hpp) that the repair works for.
 struct LatticeAims {
-  double least = 0.49;     ///< cells below are worth every means
-  double enough = 0.4885;  ///< where no cell is below, nothing is tried again: angles in [29, 145] degrees
+  double least = 0.49;              ///< cells below are worth every means
+  double enough = 0.4885;           ///< where no cell is below, nothing is tried again: angles in [29, 145] degrees
+  lattice::LabelBits fitted = ~0U;  ///< surfaces of these are followed closely everywhere (lattice/fit.hpp)
 };
 /// Angles in [30, 143] degrees. Where several materials meet in an edge that is too much to ask.
 constexpr LatticeAims one_material{0.512, 0.5116};

@@ -109,7 +109,7 @@ adapters::LabelledCells lattice_vessel(const VesselDomain& domain) {
   lattice::RepairSettings repairing;
   repairing.may_relabel = false;  // it would take cells out of a cut
   lattice::repair(complex, materials, repairing);
-  lattice::separate_sheets(complex, materials, repairing.least);
+  lattice::separate_sheets(complex, repairing.least);
   lattice::compress(complex);
   auto cells = collect(complex, domain.lumen.grid);
   for (std::size_t c = 0; c < cells.cells.size(); ++c) {

@@ -116,7 +116,15 @@ std::int32_t most_touched(const Tetrahedra& t, const std::vector<std::int32_t>& 
   return *most > 0 ? static_cast<std::int32_t>(most - area.begin()) : -1;
 }
 
-std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells) {
+/// Per node, whether a cell around it has changed.
+using Changes = std::vector<std::uint8_t>;
+
+void note_change(const Tetrahedra& t, const std::vector<std::int32_t>& cells, Changes& changes) {
+  for (const auto cell : cells)
+    for (const auto corner : t.cell(cell)) changes[static_cast<std::size_t>(corner)] = 1;
+}
+
+std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells, Changes& made) {
   std::int64_t changed = 0;
   std::vector<bool> seen(t.cells->size(), false);
   for (std::size_t seed = 0; seed < t.cells->size(); ++seed) {
@@ -136,6 +144,7 @@ std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells) {
     const auto other = most_touched(t, piece, [&](std::int32_t l) { return l != label; });
     if (other < 0) continue;
     for (const auto cell : piece) (*t.label)[static_cast<std::size_t>(cell)] = other;
+    note_change(t, piece, made);
     changed += static_cast<std::int64_t>(piece.size());
   }
   return changed;
@@ -208,9 +217,54 @@ const Part* part_to_change(const std::vector<Part>& parts, bool only_inner) {
   return smallest;
 }
 
+// As many parts as parts_of_star finds, without their cells. `star` has at most 64.
+int count_parts(const Tetrahedra& t, std::int32_t node, std::span<const std::int32_t> star, const LabelSet& set) {
+  constexpr std::uint8_t none = 64;
+  std::array<std::array<std::uint8_t, 3>, 64> beside;  // places in the star of the cells across three faces
+  std::array<bool, 64> inside, seen{}, on_hull{};
+  for (std::size_t i = 0; i < star.size(); ++i) inside[i] = set[static_cast<std::size_t>(t.label_of(star[i]))];
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const Cell& cell = t.cell(star[i]);
+    const auto& around = t.around(star[i]);
+    std::size_t count = 0;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      if (cell[corner] == node) continue;  // the face opposite to the node
+      const auto neighbour = around[corner];
+      on_hull[i] = on_hull[i] || neighbour < 0;
+      const auto found = neighbour < 0 ? star.end() : std::lower_bound(star.begin(), star.end(), neighbour);
+      const auto place = static_cast<std::size_t>(found - star.begin());
+      beside[i][count++] = neighbour < 0 || inside[place] != inside[i] ? none : static_cast<std::uint8_t>(place);
+    }
+  }
+  int parts = 0;
+  bool has_hull = false;
+  std::array<std::uint8_t, 64> queue;
+  for (std::size_t seed = 0; seed < star.size(); ++seed) {
+    if (seen[seed]) continue;
+    std::size_t end = 0;
+    queue[end++] = static_cast<std::uint8_t>(seed);
+    seen[seed] = true;
+    bool is_on_hull = false;
+    for (std::size_t next = 0; next < end; ++next) {
+      is_on_hull = is_on_hull || on_hull[queue[next]];
+      for (const auto other : beside[queue[next]])
+        if (other != none && !seen[other]) {
+          seen[other] = true;
+          queue[end++] = other;
+        }
+    }
+    has_hull = has_hull || is_on_hull;
+    if (!is_on_hull || inside[seed]) ++parts;
+  }
+  return parts + (has_hull ? 1 : 0);
+}
+
 // Whether the set or its complement falls apart at a node.
 bool falls_apart(const Tetrahedra& t, std::int32_t node, const LabelSet& set) {
-  return is_mixed(t, node, set) && parts_of_star(t, node, set).size() > 2;
+  if (!is_mixed(t, node, set)) return false;
+  const auto star = t.star.of(node);
+  if (star.size() <= 64) return count_parts(t, node, star, set) > 2;
+  return parts_of_star(t, node, set).size() > 2;
 }
 
 // Gives the part of the star that is to change its side to the set, or away from it; returns its cells.
@@ -226,20 +280,21 @@ std::vector<std::int32_t> mend(Tetrahedra& t, std::int32_t node, const LabelSet&
   return part->cells;
 }
 
-// Per node, whether to look at it: most need not be, which threads can tell before anything changes.
-std::vector<std::uint8_t> nodes_to_mend(const Tetrahedra& t, const LabelSet& set) {
+// Per node, whether it has to be mended: only those that have changed can. Threads tell before anything changes.
+std::vector<std::uint8_t> nodes_to_mend(const Tetrahedra& t, const LabelSet& set, const Changes& changes) {
   std::vector<std::uint8_t> wanted(t.nodes->size());
   parallel::parallel_for(0, static_cast<std::int64_t>(wanted.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto n = begin; n < end; ++n)
-      wanted[static_cast<std::size_t>(n)] = falls_apart(t, static_cast<std::int32_t>(n), set);
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      wanted[n] = changes[n] != 0 && falls_apart(t, static_cast<std::int32_t>(n), set);
   });
   return wanted;
 }
 
-std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set) {
+// `changes` since this was last done for the set; those made here go to `made`.
+std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set, const Changes& changes, Changes& made) {
   // Changes to and fro could repeat for ever. From some round on the set may only shrink, which must come to an end.
   constexpr int most_rounds = 60, shrinking_from = 8;
-  auto wanted = nodes_to_mend(t, set);
+  auto wanted = nodes_to_mend(t, set, changes);
   std::int64_t changed = 0;
   for (int round = 0; round < most_rounds; ++round) {
     std::vector<std::uint8_t> next(wanted.size(), 0);
@@ -249,6 +304,7 @@ std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set) {
       const auto cells = mend(t, static_cast<std::int32_t>(n), set, round >= shrinking_from);
       changed += static_cast<std::int64_t>(cells.size());
       any |= !cells.empty();
+      note_change(t, cells, made);
       for (const auto cell : cells)
         for (const auto corner : t.cell(cell)) {
           wanted[static_cast<std::size_t>(corner)] = 1;  // in this round too, if its turn is to come
@@ -269,10 +325,24 @@ std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<
   constexpr int most_rounds = 8, crumb_rounds = 2;
   auto t = connect(nodes_mm, cells, label);
   std::int64_t total = 0;
+  const auto nodes = nodes_mm.size();
+  std::vector<Changes> changes(manifold_sets.size(), Changes(nodes, 1));  // since each set was last looked at
+  const auto spread = [&](const Changes& made) {
+    for (auto& of_set : changes)
+      for (std::size_t n = 0; n < nodes; ++n) of_set[n] |= made[n];
+  };
   for (int round = 0; round < most_rounds; ++round) {
     // The two steps can undo each other's work for ever; a manifold boundary matters more than a crumb.
-    std::int64_t changed = round < crumb_rounds ? absorb_crumbs(t, crumb_cells) : 0;
-    for (const auto& set : manifold_sets) changed += make_manifold(t, set);
+    std::int64_t changed = 0;
+    Changes made(nodes, 0);
+    if (round < crumb_rounds) changed += absorb_crumbs(t, crumb_cells, made);
+    spread(made);
+    for (std::size_t s = 0; s < manifold_sets.size(); ++s) {
+      made.assign(nodes, 0);
+      changed += make_manifold(t, manifold_sets[s], changes[s], made);
+      changes[s].assign(nodes, 0);
+      spread(made);
+    }
     total += changed;
     if (changed == 0) break;
   }

@@ -116,8 +116,8 @@ adapters::LabelledCells tetgen_cells(const MeshDomain& domain, const Volume<floa
   lattice::compress(complex);
   if (report != nullptr) {
     const auto seconds = [](auto from, auto to) { return std::chrono::duration<double>(to - from).count(); };
-    report->seconds.emplace_back("tetgen", seconds(start, filled));
-    report->seconds.emplace_back("repair", seconds(filled, std::chrono::steady_clock::now()));
+    report->add("tetgen", seconds(start, filled));
+    report->add("repair", seconds(filled, std::chrono::steady_clock::now()));
     report->cells_below_goal = below;
   }
   return collect(complex, domain.grid);

@@ -46,6 +46,24 @@ TEST(DistMeshSpace, BallHasItsVolumeAndAClosedSurface) {
   EXPECT_NEAR(volume_of(made.complex, 1), exact, exact * (1.5 * 1.5) / (9 * 9));
 }
 
+// Where the hull of all nodes is the surface there is no simplex beyond it.
+TEST(DistMeshSpace, TheWholeSurfaceOfABallTouchesTheOutside) {
+  const auto m = materials_of(ball(9), 12, 1.5);
+  const auto dimension = distmesh::Dimension::three;
+  auto complex = distmesh::complex_of(distmesh::relax(m, dimension, 1.5, distmesh::usual_settings(dimension)), m);
+  lattice::derive_touches(complex);
+  lattice::compress(complex);
+  int outer_faces = 0;
+  for (const auto& cell : complex.cells)
+    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+      const auto a = cell[(left_out + 1) % 4], b = cell[(left_out + 2) % 4], c = cell[(left_out + 3) % 4];
+      if (lattice::cells_at_face(complex, a, b, c)[1] >= 0) continue;
+      ++outer_faces;
+      EXPECT_NE(complex.bits(a) & complex.bits(b) & complex.bits(c) & lattice::bit_of(0), 0U);
+    }
+  EXPECT_GT(outer_faces, 100);
+}
+
 TEST(DistMeshSpace, HalvesOfABallShareTheirPlaneAndTheBoxIsFlat) {
   const Fields fields{[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return std::min(20 - norm(p), 1 + p.z); },
                       [](const Vec3& p) { return std::min(20 - norm(p), 1 - p.z); }};

@@ -91,9 +91,10 @@ TEST(Bundle, ReadsBackWhatWasWritten) {
 TEST(Bundle, HasTheLayoutOfTheSpecification) {
   const auto folder = scratch_folder("bundle_layout") / "out";
   write_bundle(sample_bundle(), folder);
-  for (const char* path : {"README.md", "LICENSE", "CITATION.cff", "manifest.json", "ro-crate-metadata.json",
-                           "recipe.toml", "images/labels.nii.gz", "meshes/myocardium.vtu", "surfaces/myocardium.vtp",
-                           "validation/metrics.json", "validation/report.html", "logs/build.log"})
+  for (const char* path :
+       {"README.md", "LICENSE", "CITATION.cff", "manifest.json", "ro-crate-metadata.json", "recipe.toml",
+        "images/labels.nii.gz", "meshes/myocardium.vtu", "surfaces/myocardium.vtp", "curves/myocardium.vtp",
+        "validation/metrics.json", "validation/report.html", "logs/build.log"})
     EXPECT_TRUE(fs::is_regular_file(folder / path)) << path;
 }
 

@@ -142,18 +142,11 @@ int points_in_both(const Complex& c) {
   return count;
 }
 
-/// Everything is near to something: no face is left out.
-lattice::Materials anything() {
-  lattice::Materials materials;
-  materials.label_at = [](const Vec3&) { return 1; };
-  return materials;
-}
-
 TEST(Separate, SheetsThatPassThroughEachOtherAreDrawnBack) {
   auto c = two_tips(0.15);
   ASSERT_GT(least_volume(c), 0);
   ASSERT_GT(points_in_both(c), 10);
-  EXPECT_EQ(lattice::separate_sheets(c, anything(), 0.1), 0);
+  EXPECT_EQ(lattice::separate_sheets(c, 0.1), 0);
   EXPECT_EQ(points_in_both(c), 0);
   for (const auto& cell : c.cells) EXPECT_GT(lattice::quality(c, cell), 0.1);
 }
@@ -161,14 +154,14 @@ TEST(Separate, SheetsThatPassThroughEachOtherAreDrawnBack) {
 TEST(Separate, WhatDoesNotMeetStays) {
   auto c = two_tips(-0.05);
   const auto before = c.nodes_mm;
-  EXPECT_EQ(lattice::separate_sheets(c, anything(), 0.1), 0);
+  EXPECT_EQ(lattice::separate_sheets(c, 0.1), 0);
   for (std::size_t n = 0; n < before.size(); ++n) EXPECT_EQ(norm(c.nodes_mm[n] - before[n]), 0);
 }
 
 TEST(Separate, FrozenNodesStayAndTheirPairsAreCounted) {
   auto c = two_tips(0.15);
   c.frozen.assign(8, 1);
-  EXPECT_GT(lattice::separate_sheets(c, anything(), 0.1), 0);
+  EXPECT_GT(lattice::separate_sheets(c, 0.1), 0);
   EXPECT_GT(points_in_both(c), 10);
 }
 

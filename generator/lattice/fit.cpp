@@ -1,0 +1,250 @@
+#include "generator/lattice/fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "generator/lattice/balance.hpp"
+#include "generator/lattice/contract.hpp"
+#include "generator/lattice/feature.hpp"
+#include "generator/lattice/place.hpp"
+#include "generator/lattice/separate.hpp"
+#include "generator/lattice/surface_faces.hpp"
+#include "generator/parallel/tasks.hpp"
+#include "generator/parallel/threads.hpp"
+#include "model/sort_unique.hpp"
+
+namespace heart::lattice {
+namespace {
+
+// Distance of a face's centre from its surface, in its mean edges.
+double error_of(const Complex& c, const Materials& materials, const SurfaceFace& face) {
+  const Vec3 a = c.at(face.nodes[0]), b = c.at(face.nodes[1]), d = c.at(face.nodes[2]);
+  const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
+  return distance_to(feature_at(materials, face.labels, (a + b + d) / 3)) / edge;
+}
+
+Face sorted(Face face) {
+  std::sort(face.begin(), face.end());
+  return face;
+}
+
+// The worst first.
+std::vector<Face> misfits(const Complex& c, const Materials& materials, const FitSettings& settings) {
+  const auto faces = surface_faces(c);
+  std::vector<double> error(faces.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
+      error[f] = error_of(c, materials, faces[f]);
+  });
+  std::vector<std::pair<double, Face>> found;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if (error[f] > settings.aim && (faces[f].labels & settings.labels) != 0)
+      found.emplace_back(-error[f], sorted(faces[f].nodes));
+  std::sort(found.begin(), found.end());
+  std::vector<Face> worst;
+  for (const auto& [error_below_0, face] : found)
+    if (worst.size() < settings.most_faces) worst.push_back(face);
+  return worst;
+}
+
+/// How a part fits its surfaces.
+struct Fitness {
+  Face worst{-1, -1, -1};
+  double error = 0;   // of the worst face
+  double misery = 0;  // sum of the squares of what errors have beyond the aim
+};
+
+// Of the faces of a part that can change. (Those where it was cut out have frozen nodes only, and no cell beyond.)
+Fitness fitness_of(const Complex& part, const Materials& materials, const FitSettings& settings) {
+  Fitness found;
+  for (const auto& face : surface_faces(part)) {
+    const bool is_still = std::all_of(face.nodes.begin(), face.nodes.end(), [&](auto n) { return part.is_frozen(n); });
+    const bool is_cut = is_still && (face.labels & bit_of(0)) != 0;
+    if (is_cut || (face.labels & settings.labels) == 0) continue;
+    const double error = error_of(part, materials, face);
+    if (error > found.error) {
+      found.worst = face.nodes;
+      found.error = error;
+    }
+    const double beyond = std::max(0.0, error - settings.aim);
+    found.misery += beyond * beyond;
+  }
+  return found;
+}
+
+// Back onto surfaces and curves, as far as cells allow.
+void draw_to_surfaces(Complex& part, const Materials& materials, double least_quality) {
+  constexpr int newton_steps = 3;
+  constexpr double most_shift = 0.3;  // of the lattice's width
+  for (std::int32_t n = 0; n < static_cast<std::int32_t>(part.nodes_mm.size()); ++n) {
+    if (part.is_frozen(n) || !is_constrained(part.bits(n)) || part.star(n).empty()) continue;
+    const Vec3 way = project(materials, part.bits(n), part.at(n), newton_steps) - part.at(n);
+    if (norm(way) < most_shift * static_cast<double>(part.spacing_mm[static_cast<std::size_t>(n)]))
+      shift_node(part, n, way, 3, least_quality);
+  }
+}
+
+/// The outer faces of the whole around a place: what is made of it must not pass through them.
+struct Around {
+  std::vector<Vec3> nodes_mm;
+  std::vector<Face> faces;  // node n of the part as -1 - n
+};
+
+Around faces_around(const Complex& whole, const std::vector<Face>& outer, const Place& place) {
+  Vec3 low = place.part.nodes_mm[0], high = low;
+  for (const auto& p : place.part.nodes_mm) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const auto is_beside = [&](const Face& face) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto [least, most] =
+          std::minmax({whole.at(face[0])[axis], whole.at(face[1])[axis], whole.at(face[2])[axis]});
+      if (least > high[axis] || most < low[axis]) return true;
+    }
+    return false;
+  };
+  Around around;
+  for (Face face : outer) {
+    if (is_beside(face)) continue;
+    bool is_part = false;
+    for (auto& n : face) {
+      const auto found = std::lower_bound(place.nodes.begin(), place.nodes.end(), n);
+      if (found != place.nodes.end() && *found == n) {
+        const auto own = static_cast<std::int32_t>(found - place.nodes.begin());
+        is_part = is_part || !place.part.is_frozen(own);
+        n = -1 - own;
+      } else {
+        around.nodes_mm.push_back(whole.at(n));
+        n = static_cast<std::int32_t>(around.nodes_mm.size()) - 1;
+      }
+    }
+    if (!is_part) around.faces.push_back(face);
+  }
+  return around;
+}
+
+std::size_t count_meeting(const Complex& part, const Around& around) {
+  auto faces = outer_faces(part);
+  if (faces.empty()) return 0;
+  auto nodes_mm = part.nodes_mm;
+  const auto offset = static_cast<std::int32_t>(nodes_mm.size());
+  nodes_mm.insert(nodes_mm.end(), around.nodes_mm.begin(), around.nodes_mm.end());
+  for (Face face : around.faces) {
+    for (auto& n : face) n = n < 0 ? -1 - n : n + offset;
+    faces.push_back(face);
+  }
+  return meeting_faces(nodes_mm, faces).size();
+}
+
+/// A place with a misfit in its middle, and the best that was made of it.
+struct Job {
+  Place place;
+  Around around;
+  Complex best;  // no cells: nothing better was found
+  Fitness fitness;
+};
+
+// One way of several to divide a face: its longest edge, the second, the third, all. Then again, a little shaken up.
+void divide(Complex& part, const Materials& materials, const Face& face, int way) {
+  constexpr int ways = 4;
+  constexpr double shake = 0.01;  // of the lattice's width
+  if (way >= ways) shake_up(part, materials, shake * way, static_cast<std::uint32_t>(way));
+  std::array<std::pair<double, std::size_t>, 3> edges;
+  for (std::size_t i = 0; i < 3; ++i) edges[i] = {-norm(part.at(face[i]) - part.at(face[(i + 1) % 3])), i};
+  std::sort(edges.begin(), edges.end());
+  for (int which = 0; which < 3; ++which)
+    if (const std::size_t i = edges[static_cast<std::size_t>(which)].second; way % ways == 3 || way % ways == which)
+      halve_edge(part, materials, face[i], face[(i + 1) % 3]);
+}
+
+// Divides the worst face and repairs what that makes, then goes on from the outcome wherever it is better.
+void fit(Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings) {
+  constexpr int most_tries = 30;
+  repairing.may_relabel = false;  // labels beyond the place are not seen
+  repairing.goal = repairing.least = settings.enough + 0.0004;
+  repairing.sweeps = 6;  // without shakes: another way is cheaper
+  const double least = std::min(settings.enough, worst_quality(job.place.part));
+  job.fitness = fitness_of(job.place.part, materials, settings);
+  const auto meeting = count_meeting(job.place.part, job.around);
+  int way = 0;
+  for (int attempt = 0; attempt < most_tries && job.fitness.misery > 0; ++attempt, ++way) {
+    Complex tried = job.best.cells.empty() ? job.place.part : job.best;
+    divide(tried, materials, job.fitness.worst, way);
+    repair(tried, materials, repairing);
+    draw_to_surfaces(tried, materials, settings.enough);
+    balance_surfaces(tried, materials, settings.enough);
+    const auto fitness = fitness_of(tried, materials, settings);
+    if (fitness.misery >= job.fitness.misery || worst_quality(tried) < least) continue;
+    if (count_meeting(tried, job.around) > meeting) continue;
+    job.fitness = fitness;
+    job.best = std::move(tried);
+    way = -1;
+  }
+}
+
+// Places around the worst faces, none of which shares a node with another one; `faces` keeps those beside them.
+std::vector<Job> separate_places(const Complex& c, std::vector<Face>& faces, int rings) {
+  std::vector<Job> jobs;
+  std::vector<std::uint8_t> is_taken(c.nodes_mm.size(), 0);
+  const auto is_done = [&](const Face& face) {
+    const auto cell = cells_at_face(c, face[0], face[1], face[2])[0];
+    if (cell < 0) return true;  // what was made of another place changed it
+    const auto taken = [&](std::int32_t n) { return is_taken[static_cast<std::size_t>(n)] != 0; };
+    if (std::any_of(face.begin(), face.end(), taken)) return false;
+    auto place = place_around(c, cell, rings);
+    if (std::any_of(place.nodes.begin(), place.nodes.end(), taken)) return false;
+    for (const auto n : place.nodes) is_taken[static_cast<std::size_t>(n)] = 1;
+    jobs.push_back({std::move(place), {}, {}, {}});
+    return true;
+  };
+  std::erase_if(faces, is_done);
+  return jobs;
+}
+
+Face in_whole(const Place& place, Face face) {
+  for (auto& n : face) n = place.nodes[static_cast<std::size_t>(n)];
+  return sorted(face);
+}
+
+// Works on the places around the faces; returns the worst faces of those where the aim is missed.
+std::vector<Face> fit_places(Complex& complex, const Materials& materials, const RepairSettings& repairing,
+                             const FitSettings& settings, std::vector<Face> faces, int rings) {
+  std::vector<Face> missed;
+  while (!faces.empty()) {
+    auto jobs = separate_places(complex, faces, rings);
+    const auto outer = outer_faces(complex);
+    std::vector<std::function<void()>> tasks;
+    tasks.reserve(jobs.size());
+    for (auto& job : jobs)
+      tasks.emplace_back([&] {
+        job.around = faces_around(complex, outer, job.place);
+        fit(job, materials, repairing, settings);
+      });
+    parallel::run_tasks(tasks);
+    for (auto& job : jobs) {
+      if (!job.best.cells.empty()) put_back(complex, job.place, job.best);
+      if (job.fitness.misery > 0) missed.push_back(in_whole(job.place, job.fitness.worst));
+    }
+  }
+  return missed;
+}
+
+}  // namespace
+
+std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
+                       const FitSettings& settings) {
+  constexpr int rings = 3;  // of cells around a face; where they have no way out, one more may
+  auto missed = fit_places(complex, materials, repairing, settings, misfits(complex, materials, settings), rings);
+  missed = fit_places(complex, materials, repairing, settings, std::move(missed), rings + 1);
+  std::sort(missed.begin(), missed.end());
+  auto late = misfits(complex, materials, settings);  // what is made of places can change faces beside them
+  std::erase_if(late, [&](const Face& face) { return std::binary_search(missed.begin(), missed.end(), face); });
+  const auto again = fit_places(complex, materials, repairing, settings, std::move(late), rings);
+  return static_cast<std::int64_t>(missed.size() + again.size());
+}
+
+}  // namespace heart::lattice

@@ -1,0 +1,26 @@
+// Faces that leave their surface: where a surface has a crease or a bend narrower than an edge, all nodes of a face can
+// lie on it while its middle does not. Such places are divided and repaired apart from the rest, in several ways, and
+// the best outcome is put back.
+#pragma once
+#include <cstdint>
+
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
+#include "generator/lattice/repair.hpp"
+
+namespace heart::lattice {
+
+struct FitSettings {
+  double aim = 0.29;              ///< distance of a face's centre from its surface, in mean edges of the face
+  double enough = 0.4885;         ///< quality that the cells at such places must keep
+  LabelBits labels = ~0U;         ///< only surfaces of these
+  std::size_t most_faces = 1000;  ///< more are left alone: the worst come first
+};
+
+/// Needs `touches` to be what the cells make them (derive_touches). No cell ends below `enough`, or below the worst one
+/// of its place if that was below already. Returns at how many places a face stays beyond the aim. The same result for
+/// any number of threads.
+std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
+                       const FitSettings& settings);
+
+}  // namespace heart::lattice

@@ -1,0 +1,39 @@
+#include "generator/lattice/surface_faces.hpp"
+
+#include <bit>
+
+#include "generator/parallel/threads.hpp"
+
+namespace heart::lattice {
+namespace {
+
+void add_faces_of(const Complex& c, std::int32_t t, std::vector<SurfaceFace>& faces) {
+  const Cell& cell = c.cell(t);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto a = cell[(i + 1) % 4], b = cell[(i + 2) % 4], d = cell[(i + 3) % 4];
+    const LabelBits shared = c.bits(a) & c.bits(b) & c.bits(d);
+    if (std::popcount(shared & ~side_bits) < 2 || (shared & side_bits) != 0) continue;
+    const auto pair = cells_at_face(c, a, b, d);
+    const auto other = pair[0] == t ? pair[1] : pair[0];
+    if (other >= 0 && other < t) continue;  // seen from there
+    const LabelBits labels = bit_of(c.label_of(t)) | (other < 0 ? bit_of(0) : bit_of(c.label_of(other)));
+    if (std::popcount(labels) > 1) faces.push_back({{a, b, d}, labels});
+  }
+}
+
+}  // namespace
+
+std::vector<SurfaceFace> surface_faces(const Complex& complex) {
+  std::vector<std::vector<SurfaceFace>> of_piece(static_cast<std::size_t>(parallel::thread_count()));
+  const auto find = [&](std::int64_t begin, std::int64_t end, int piece) {
+    for (auto t = begin; t < end; ++t)
+      if (complex.is_alive(static_cast<std::int32_t>(t)))
+        add_faces_of(complex, static_cast<std::int32_t>(t), of_piece[static_cast<std::size_t>(piece)]);
+  };
+  parallel::parallel_for(0, static_cast<std::int64_t>(complex.cells.size()), find);
+  std::vector<SurfaceFace> faces;
+  for (const auto& piece : of_piece) faces.insert(faces.end(), piece.begin(), piece.end());
+  return faces;
+}
+
+}  // namespace heart::lattice

@@ -1,0 +1,88 @@
+#include "generator/lattice/fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "generator/lattice/feature.hpp"
+#include "generator/lattice/surface_faces.hpp"
+#include "generator/parallel/threads.hpp"
+#include "lattice/shapes.hpp"
+
+namespace {
+
+using namespace heart;
+using namespace heart::testing;
+
+// Two balls that meet in a groove, at which faces leave the surface.
+Materials two_balls() {
+  return materials_of({[](const Vec3&) { return 0.0; },
+                       [](const Vec3& p) {
+                         const Vec3 q = p - Vec3{0.1, 0.2, 0.3};
+                         return std::max(4.5 - norm(q - Vec3{3.4, 0, 0}), 4.5 - norm(q + Vec3{3.4, 0, 0}));
+                       }},
+                      10, 0.9);
+}
+
+double worst_error(const Complex& c, const Materials& materials) {
+  double worst = 0;
+  for (const auto& face : lattice::surface_faces(c)) {
+    const Vec3 a = c.at(face.nodes[0]), b = c.at(face.nodes[1]), d = c.at(face.nodes[2]);
+    const auto feature = lattice::feature_at(materials, face.labels, (a + b + d) / 3);
+    worst = std::max(worst, 3 * lattice::distance_to(feature) / (norm(b - a) + norm(d - b) + norm(a - d)));
+  }
+  return worst;
+}
+
+double worst_quality(const Complex& c) {
+  return static_cast<double>(*std::min_element(c.quality.begin(), c.quality.end()));
+}
+
+TEST(Fit, FacesInAGrooveGetNearToTheirSurface) {
+  const auto m = two_balls();
+  auto c = mesh_of(m).complex;
+  const double before = worst_error(c, m), quality = worst_quality(c);
+  lattice::FitSettings settings;
+  settings.aim = 0.15;
+  ASSERT_GT(before, settings.aim);
+  const auto missed = lattice::fit_faces(c, m, {}, settings);
+  EXPECT_EQ(missed, 0);
+  EXPECT_LT(worst_error(c, m), settings.aim + 1e-12);
+  EXPECT_GE(worst_quality(c), std::min(quality, settings.enough) - 1e-6);
+  lattice::compress(c);
+  EXPECT_EQ(defects(c), 0);
+  EXPECT_GT(least_volume(c), 0);
+}
+
+TEST(Fit, OtherSurfacesStay) {
+  const auto m = two_balls();
+  auto c = mesh_of(m).complex;
+  const auto before = c.nodes_mm;
+  lattice::FitSettings settings;
+  settings.aim = 0.15;
+  settings.labels = lattice::bit_of(5);
+  EXPECT_EQ(lattice::fit_faces(c, m, {}, settings), 0);
+  ASSERT_EQ(c.nodes_mm.size(), before.size());
+  EXPECT_EQ(std::memcmp(c.nodes_mm.data(), before.data(), before.size() * sizeof(Vec3)), 0);
+}
+
+TEST(Fit, SameBitsForAnyNumberOfThreads) {
+  const auto m = two_balls();
+  const auto start = mesh_of(m).complex;
+  lattice::FitSettings settings;
+  settings.aim = 0.15;
+  std::vector<Complex> made;
+  for (const int threads : {1, 2, 5}) {
+    parallel::set_thread_count(threads);
+    made.push_back(start);
+    lattice::fit_faces(made.back(), m, {}, settings);
+  }
+  parallel::set_thread_count(2);
+  for (const auto& c : made) {
+    EXPECT_EQ(c.cells, made[0].cells);
+    ASSERT_EQ(c.nodes_mm.size(), made[0].nodes_mm.size());
+    EXPECT_EQ(std::memcmp(c.nodes_mm.data(), made[0].nodes_mm.data(), c.nodes_mm.size() * sizeof(Vec3)), 0);
+  }
+}
+
+}  // namespace

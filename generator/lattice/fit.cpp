@@ -45,8 +45,7 @@ std::vector<Face> misfits(const Complex& c, const Materials& materials, const Fi
       found.emplace_back(-error[f], sorted(faces[f].nodes));
   std::sort(found.begin(), found.end());
   std::vector<Face> worst;
-  for (const auto& [error_below_0, face] : found)
-    if (worst.size() < settings.most_faces) worst.push_back(face);
+  for (const auto& [error_below_0, face] : found) worst.push_back(face);
   return worst;
 }
 
@@ -146,6 +145,7 @@ struct Job {
   Around around;
   Complex best;  // no cells: nothing better was found
   Fitness fitness;
+  std::int64_t work = 0;  // cells repaired, of all tries together
 };
 
 // One way of several to divide a face: its longest edge, the second, the third, all. Then again, a little shaken up.
@@ -163,7 +163,7 @@ void divide(Complex& part, const Materials& materials, const Face& face, int way
 
 // Divides the worst face and repairs what that makes, then goes on from the outcome wherever it is better.
 void fit(Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings) {
-  constexpr int most_tries = 30;
+  constexpr int most_tries = 30, most_ways = 12;
   repairing.may_relabel = false;  // labels beyond the place are not seen
   repairing.goal = repairing.least = settings.enough + 0.0004;
   repairing.sweeps = 6;  // without shakes: another way is cheaper
@@ -171,7 +171,8 @@ void fit(Job& job, const Materials& materials, RepairSettings repairing, const F
   job.fitness = fitness_of(job.place.part, materials, settings);
   const auto meeting = count_meeting(job.place.part, job.around);
   int way = 0;
-  for (int attempt = 0; attempt < most_tries && job.fitness.misery > 0; ++attempt, ++way) {
+  for (int attempt = 0; attempt < most_tries && way < most_ways && job.fitness.misery > 0; ++attempt, ++way) {
+    job.work += static_cast<std::int64_t>(job.place.part.cells.size());
     Complex tried = job.best.cells.empty() ? job.place.part : job.best;
     divide(tried, materials, job.fitness.worst, way);
     repair(tried, materials, repairing);
@@ -186,18 +187,22 @@ void fit(Job& job, const Materials& materials, RepairSettings repairing, const F
   }
 }
 
-// Places around the worst faces, none of which shares a node with another one; `faces` keeps those beside them.
-std::vector<Job> separate_places(const Complex& c, std::vector<Face>& faces, int rings) {
+// Places around the worst faces, none of which shares a node with another one; `faces` keeps those beside them, and
+// those for which the work that is left would not do.
+std::vector<Job> separate_places(const Complex& c, std::vector<Face>& faces, int rings, std::int64_t work_left) {
+  constexpr std::int64_t usual_tries = 6;
   std::vector<Job> jobs;
   std::vector<std::uint8_t> is_taken(c.nodes_mm.size(), 0);
   const auto is_done = [&](const Face& face) {
     const auto cell = cells_at_face(c, face[0], face[1], face[2])[0];
     if (cell < 0) return true;  // what was made of another place changed it
+    if (work_left <= 0) return false;
     const auto taken = [&](std::int32_t n) { return is_taken[static_cast<std::size_t>(n)] != 0; };
     if (std::any_of(face.begin(), face.end(), taken)) return false;
     auto place = place_around(c, cell, rings);
     if (std::any_of(place.nodes.begin(), place.nodes.end(), taken)) return false;
     for (const auto n : place.nodes) is_taken[static_cast<std::size_t>(n)] = 1;
+    work_left -= usual_tries * static_cast<std::int64_t>(place.cells.size());
     jobs.push_back({std::move(place), {}, {}, {}});
     return true;
   };
@@ -210,12 +215,13 @@ Face in_whole(const Place& place, Face face) {
   return sorted(face);
 }
 
-// Works on the places around the faces; returns the worst faces of those where the aim is missed.
+// Works on the places around the faces as long as there is work left; returns the worst faces of those where the aim is
+// missed.
 std::vector<Face> fit_places(Complex& complex, const Materials& materials, const RepairSettings& repairing,
-                             const FitSettings& settings, std::vector<Face> faces, int rings) {
+                             const FitSettings& settings, std::vector<Face> faces, int rings, std::int64_t& work_left) {
   std::vector<Face> missed;
-  while (!faces.empty()) {
-    auto jobs = separate_places(complex, faces, rings);
+  while (!faces.empty() && work_left > 0) {
+    auto jobs = separate_places(complex, faces, rings, work_left);
     const auto outer = outer_faces(complex);
     std::vector<std::function<void()>> tasks;
     tasks.reserve(jobs.size());
@@ -226,10 +232,12 @@ std::vector<Face> fit_places(Complex& complex, const Materials& materials, const
       });
     parallel::run_tasks(tasks);
     for (auto& job : jobs) {
+      work_left -= job.work;
       if (!job.best.cells.empty()) put_back(complex, job.place, job.best);
       if (job.fitness.misery > 0) missed.push_back(in_whole(job.place, job.fitness.worst));
     }
   }
+  missed.insert(missed.end(), faces.begin(), faces.end());
   return missed;
 }
 
@@ -238,12 +246,16 @@ std::vector<Face> fit_places(Complex& complex, const Materials& materials, const
 std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
                        const FitSettings& settings) {
   constexpr int rings = 3;  // of cells around a face; where they have no way out, one more may
-  auto missed = fit_places(complex, materials, repairing, settings, misfits(complex, materials, settings), rings);
-  missed = fit_places(complex, materials, repairing, settings, std::move(missed), rings + 1);
+  auto work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(complex.cells.size()));
+  const auto fit_at = [&](std::vector<Face> faces, int size) {
+    return fit_places(complex, materials, repairing, settings, std::move(faces), size, work_left);
+  };
+  auto missed = fit_at(misfits(complex, materials, settings), rings);
+  missed = fit_at(std::move(missed), rings + 1);
   std::sort(missed.begin(), missed.end());
   auto late = misfits(complex, materials, settings);  // what is made of places can change faces beside them
   std::erase_if(late, [&](const Face& face) { return std::binary_search(missed.begin(), missed.end(), face); });
-  const auto again = fit_places(complex, materials, repairing, settings, std::move(late), rings);
+  const auto again = fit_at(std::move(late), rings);
   return static_cast<std::int64_t>(missed.size() + again.size());
 }
 

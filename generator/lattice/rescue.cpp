@@ -11,18 +11,27 @@ namespace {
 constexpr int rings = 3;  // of cells around a bad one
 constexpr int most_tries = 12;
 
-// The best of some repairs of a place.
-Complex best_repair(const Complex& part, const Materials& materials, RepairSettings settings, double enough) {
-  settings.may_relabel = false;  // labels beyond the place are not seen
-  settings.least = settings.goal;
-  settings.sweeps *= 2;
-  Complex best = part;
+// Makes `best` the best of some repairs of a place.
+void try_repairs(const Complex& part, const Materials& materials, const RepairSettings& settings, double enough,
+                 Complex& best) {
   for (int attempt = 0; attempt < most_tries && worst_quality(best) < enough; ++attempt) {
     Complex tried = part;
     if (attempt > 0) shake_up(tried, materials, 0.04 + 0.04 * (attempt % 4), static_cast<std::uint32_t>(attempt));
     repair(tried, materials, settings);
     if (worst_quality(tried) > worst_quality(best)) best = std::move(tried);
   }
+}
+
+// Shakes of all the cells below the goal take most of the time; places that need them are few.
+Complex best_repair(const Complex& part, const Materials& materials, RepairSettings settings, double enough) {
+  settings.may_relabel = false;  // labels beyond the place are not seen
+  RepairSettings modest = settings, thorough = settings;
+  modest.least = enough;
+  thorough.least = thorough.goal;
+  thorough.sweeps *= 2;
+  Complex best = part;
+  try_repairs(part, materials, modest, enough, best);
+  try_repairs(part, materials, thorough, enough, best);
   return best;
 }
 

@@ -163,7 +163,7 @@ void divide(Complex& part, const Materials& materials, const Face& face, int way
 
 // Divides the worst face and repairs what that makes, then goes on from the outcome wherever it is better.
 void fit(Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings) {
-  constexpr int most_tries = 30, most_ways = 12;
+  constexpr int most_tries = 30;
   repairing.may_relabel = false;  // labels beyond the place are not seen
   repairing.goal = repairing.least = settings.enough + 0.0004;
   repairing.sweeps = 6;  // without shakes: another way is cheaper
@@ -171,7 +171,7 @@ void fit(Job& job, const Materials& materials, RepairSettings repairing, const F
   job.fitness = fitness_of(job.place.part, materials, settings);
   const auto meeting = count_meeting(job.place.part, job.around);
   int way = 0;
-  for (int attempt = 0; attempt < most_tries && way < most_ways && job.fitness.misery > 0; ++attempt, ++way) {
+  for (int attempt = 0; attempt < most_tries && job.fitness.misery > 0; ++attempt, ++way) {
     job.work += static_cast<std::int64_t>(job.place.part.cells.size());
     Complex tried = job.best.cells.empty() ? job.place.part : job.best;
     divide(tried, materials, job.fitness.worst, way);
@@ -246,7 +246,9 @@ std::vector<Face> fit_places(Complex& complex, const Materials& materials, const
 std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
                        const FitSettings& settings) {
   constexpr int rings = 3;  // of cells around a face; where they have no way out, one more may
-  auto work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(complex.cells.size()));
+  constexpr std::size_t usual_cells = 500'000;
+  const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
+  auto work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(cells));
   const auto fit_at = [&](std::vector<Face> faces, int size) {
     return fit_places(complex, materials, repairing, settings, std::move(faces), size, work_left);
   };

@@ -54,6 +54,17 @@ TEST(Fit, FacesInAGrooveGetNearToTheirSurface) {
   EXPECT_GT(least_volume(c), 0);
 }
 
+TEST(Fit, NothingChangesWithoutWork) {
+  const auto m = two_balls();
+  auto c = mesh_of(m).complex;
+  const auto before = c.nodes_mm;
+  lattice::FitSettings settings;
+  settings.aim = 0.15;
+  settings.most_work = 0;
+  EXPECT_GT(lattice::fit_faces(c, m, {}, settings), 0);
+  EXPECT_EQ(c.nodes_mm.size(), before.size());
+}
+
 TEST(Fit, OtherSurfacesStay) {
   const auto m = two_balls();
   auto c = mesh_of(m).complex;

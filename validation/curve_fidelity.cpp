@@ -5,10 +5,13 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "generator/parallel/threads.hpp"
+#include "model/crop.hpp"
 #include "model/face_tree.hpp"
 #include "model/feature_curves.hpp"
 #include "model/labels.hpp"
@@ -113,26 +116,37 @@ struct Meeting {
   Regions regions;
 };
 
+/// The regions at the corners of a cube: corner c at (c & 1, c >> 1 & 1, c >> 2).
+using Corners = std::array<Regions, 8>;
+
+Vec3 corner_at(unsigned c) {
+  return {static_cast<double>(c & 1U), static_cast<double>(c >> 1U & 1U), static_cast<double>(c >> 2U)};
+}
+
 /// Halves a cube (low corner and width in voxels) until it is small; those in which three labels or more meet are kept.
-void find_meetings(const Grid& grid, const LabelAt& label_at, const Vec3& low, double width,
+void find_meetings(const Grid& grid, const LabelAt& label_at, const Vec3& low, double width, const Corners& corners,
                    std::vector<Meeting>& meetings) {
   constexpr double smallest = 0.125;
-  Regions found = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at{static_cast<double>(corner & 1), static_cast<double>((corner >> 1) & 1),
-                  static_cast<double>(corner >> 2)};
-    found |= bit_of(label_at(lps_from_index(grid, low + width * at)));
-  }
+  const Regions found = std::accumulate(corners.begin(), corners.end(), Regions{0}, std::bit_or<>());
+  if (std::popcount(found) < 2) return;
   if (width <= smallest) {
     const Vec3 middle = low + 0.5 * width * Vec3{1, 1, 1};
     if (std::popcount(found) > 2 && has_heart(found)) meetings.push_back({lps_from_index(grid, middle), found});
     return;
   }
-  if (std::popcount(found) < 2) return;
-  for (int child = 0; child < 8; ++child) {
-    const Vec3 at{static_cast<double>(child & 1), static_cast<double>((child >> 1) & 1),
-                  static_cast<double>(child >> 2)};
-    find_meetings(grid, label_at, low + 0.5 * width * at, 0.5 * width, meetings);
+  std::array<Regions, 27> halves;  // at the corners, and halfway between them
+  for (unsigned h = 0; h < 27; ++h) {
+    const unsigned x = h % 3, y = h / 3 % 3, z = h / 9;
+    const bool is_corner = x != 1 && y != 1 && z != 1;
+    const Vec3 at{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    halves[h] = is_corner ? corners[x / 2 + y / 2 * 2 + z / 2 * 4]
+                          : bit_of(label_at(lps_from_index(grid, low + 0.5 * width * at)));
+  }
+  for (unsigned child = 0; child < 8; ++child) {
+    const unsigned first = (child & 1U) + (child >> 1U & 1U) * 3 + (child >> 2U) * 9;
+    Corners of_child;
+    for (unsigned c = 0; c < 8; ++c) of_child[c] = halves[first + (c & 1U) + (c >> 1U & 1U) * 3 + (c >> 2U) * 9];
+    find_meetings(grid, label_at, low + 0.5 * width * corner_at(child), 0.5 * width, of_child, meetings);
   }
 }
 
@@ -145,18 +159,22 @@ bool may_meet(const LabelVolume& labels, const Index3& low) {
   return std::popcount(found) > 2 && has_heart(found);
 }
 
-std::vector<Meeting> meetings_of(const LabelVolume& labels, const LabelAt& label_at) {
+std::vector<Meeting> meetings_of(const LabelVolume& whole, const LabelAt& label_at) {
+  const auto labels = crop(whole, bounding_box(whole, 3, [](auto label) { return has_heart(bit_of(label)); }));
   const auto& size = labels.grid.size;
   if (size[2] < 4) return {};
   std::vector<std::vector<Meeting>> of_slice(static_cast<std::size_t>(size[2]));
   parallel::parallel_for(1, size[2] - 2, [&](std::int64_t begin, std::int64_t end) {
     for (auto k = begin; k < end; ++k)
       for (std::int64_t j = 1; j + 2 < size[1]; ++j)
-        for (std::int64_t i = 1; i + 2 < size[0]; ++i)
-          if (may_meet(labels, {i, j, k}))
-            find_meetings(labels.grid, label_at,
-                          {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}, 1,
-                          of_slice[static_cast<std::size_t>(k)]);
+        for (std::int64_t i = 1; i + 2 < size[0]; ++i) {
+          if (!may_meet(labels, {i, j, k})) continue;
+          const Vec3 low{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+          Corners corners;
+          for (unsigned c = 0; c < 8; ++c)
+            corners[c] = bit_of(label_at(lps_from_index(labels.grid, low + corner_at(c))));
+          find_meetings(labels.grid, label_at, low, 1, corners, of_slice[static_cast<std::size_t>(k)]);
+        }
   });
   std::vector<Meeting> all;
   for (const auto& slice : of_slice) all.insert(all.end(), slice.begin(), slice.end());

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "model/mesh_edges.hpp"
 #include "validation/heart_frame.hpp"
 #include "validation/quantiles.hpp"
 #include "validation/wall_depth.hpp"
@@ -70,19 +71,15 @@ struct VentricleTurns {
 };
 
 VentricleTurns edge_turns(const TetMesh& mesh) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
-  std::vector<std::uint8_t> sides(mesh.nodes_mm.size());
+  std::vector<std::uint8_t> sides(mesh.nodes_mm.size()), use(mesh.cells.size());
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     if (!ventricular(mesh.region[c])) continue;
+    use[c] = 1;
     for (const auto n : mesh.cells[c])
       sides[static_cast<std::size_t>(n)] |= mesh.region[c] == tag(Region::lv_myocardium) ? 1 : 2;
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = a + 1; b < 4; ++b) edges.push_back(std::minmax(mesh.cells[c][a], mesh.cells[c][b]));
   }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   VentricleTurns turns;
-  for (const auto& [a, b] : edges) {
+  for (const auto& [a, b] : edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use)) {
     turns.all.add(mesh, a, b);
     if (sides[static_cast<std::size_t>(a)] == 3 || sides[static_cast<std::size_t>(b)] == 3)
       turns.junction.add(mesh, a, b);

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "model/sort_unique.hpp"
+
 namespace heart::validation {
 namespace {
 
@@ -50,8 +52,7 @@ struct NodeRegions {
 NodeRegions node_regions(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
   NodeRegions result;
   result.tags.assign(mesh.region.begin(), mesh.region.end());
-  std::sort(result.tags.begin(), result.tags.end());
-  result.tags.erase(std::unique(result.tags.begin(), result.tags.end()), result.tags.end());
+  sort_unique(result.tags);
   result.of_cell.reserve(mesh.region.size());
   for (const auto tag : mesh.region)
     result.of_cell.push_back(
@@ -213,8 +214,7 @@ Contacts contacts_of(const TetMesh& mesh, const std::vector<MeshFace>& faces, co
   for (std::size_t n = 0; n < mesh.nodes_mm.size(); ++n)
     for (auto a = regions.start[n]; a < regions.start[n + 1]; ++a)
       for (auto b = a + 1; b < regions.start[n + 1]; ++b) contacts.touching.emplace_back(piece_at(a), piece_at(b));
-  std::sort(contacts.touching.begin(), contacts.touching.end());
-  contacts.touching.erase(std::unique(contacts.touching.begin(), contacts.touching.end()), contacts.touching.end());
+  sort_unique(contacts.touching);
   for (const auto node : outer_shells(mesh, faces)) contacts.outer.push_back(piece_at(regions.place(node, boundary)));
   return contacts;
 }

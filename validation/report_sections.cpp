@@ -8,6 +8,7 @@
 
 #include "generator/parallel/tasks.hpp"
 #include "model/labels.hpp"
+#include "model/sort_unique.hpp"
 #include "validation/cell_quality.hpp"
 #include "validation/fiber_checks.hpp"
 #include "validation/heart_frame.hpp"
@@ -161,8 +162,7 @@ void add_slice(Pieces& pieces, const ReportInput& input, const Plane& plane, con
 
 std::vector<std::int32_t> regions_of(const std::vector<std::int32_t>& tags) {
   std::vector<std::int32_t> regions = tags;
-  std::sort(regions.begin(), regions.end());
-  regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+  sort_unique(regions);
   return regions;
 }
 

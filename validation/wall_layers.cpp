@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/labels.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::validation {
 namespace {
@@ -42,8 +43,7 @@ Neighbours neighbours_in_walls(const TetMesh& mesh) {
       for (const auto b : mesh.cells[c])
         if (a != b) edges.emplace_back(a, b);
   }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
   Neighbours result{std::vector<std::size_t>(mesh.nodes_mm.size() + 1, 0), {}};
   result.node.reserve(edges.size());
   for (const auto& [a, b] : edges) {

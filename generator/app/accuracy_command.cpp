@@ -19,8 +19,8 @@
 #include "generator/app/accuracy_parts.hpp"
 #include "generator/app/image_stages.hpp"
 #include "generator/landmarks/landmarks.hpp"
-#include "generator/segment/crop.hpp"
 #include "generator/study/study.hpp"
+#include "model/crop.hpp"
 #include "model/error.hpp"
 #include "validation/contour_fit.hpp"
 
@@ -107,13 +107,13 @@ void compare_maps(const LabelVolume& labels, const LabelVolume& truth, Case& res
     return std::any_of(bounds.begin(), bounds.end(), [&](const Bound& b) { return label == tag(b.region); }) ||
            label == tag(Region::papillary) || label == tag(Region::la_wall) || label == tag(Region::ra_wall);
   };
-  const auto ours = segment::bounding_box(labels, 1, is_compared);
-  auto box = segment::bounding_box(truth, 1, is_compared);
+  const auto ours = bounding_box(labels, 1, is_compared);
+  auto box = bounding_box(truth, 1, is_compared);
   for (std::size_t a = 0; a < 3 && !ours.empty(); ++a) {
     box.begin[a] = std::min(box.begin[a], ours.begin[a]);
     box.end[a] = std::max(box.end[a], ours.end[a]);
   }
-  LabelVolume mine = segment::crop(labels, box), reference = segment::crop(truth, box);
+  LabelVolume mine = crop(labels, box), reference = crop(truth, box);
   for (auto* map : {&mine, &reference})
     for (auto& label : map->voxels)
       if (!is_compared(label)) label = 0;

@@ -12,12 +12,12 @@
 #include "datasets/phantom/phantom.hpp"
 #include "generator/contours/vessel_snakes.hpp"
 #include "generator/labels/given_labels.hpp"
-#include "generator/segment/crop.hpp"
 #include "generator/segment/diffusion.hpp"
 #include "generator/segment/epicardium.hpp"
 #include "generator/segment/hierarchy.hpp"
 #include "generator/segment/trachea.hpp"
 #include "generator/segment/vessel.hpp"
+#include "model/crop.hpp"
 #include "model/error.hpp"
 #include "validation/contour_fit.hpp"
 
@@ -59,9 +59,9 @@ std::vector<Score> scores_of(const LabelVolume& ours, const LabelVolume& truth, 
   const LabelVolume mine = only(ours), reference = only(truth);
   LabelVolume either = mine;
   for (std::size_t v = 0; v < either.voxels.size(); ++v) either.voxels[v] |= reference.voxels[v];
-  const auto box = segment::bounding_box(either, 1, [](std::uint8_t label) { return label != 0; });
+  const auto box = bounding_box(either, 1, [](std::uint8_t label) { return label != 0; });
   if (box.empty()) return {};
-  const Report report = validation::compare_labels(segment::crop(mine, box), segment::crop(reference, box));
+  const Report report = validation::compare_labels(crop(mine, box), crop(reference, box));
   std::vector<Score> scores;
   for (const Region region : regions)
     scores.push_back({region_name(tag(region)), metric_of(report, region, "dice"),

@@ -71,15 +71,16 @@ ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const
                              const ValidationSettings& bounds) {
   ReportParts parts;
   for (const auto& [mesh_name, named] : meshes)
-    parts.emplace_back([&faces, &bounds, name = mesh_name, &mesh = named] {
+    parts.push_back({[&faces, &bounds, name = mesh_name, &mesh = named] {
       return validation::check_mesh(name, mesh, faces.at(name), bounds);
-    });
+    }});
   if (labels.voxels.empty()) return parts;
   const auto add_fidelity = [&](const std::string& mesh_name, bool whole_map) {
-    parts.emplace_back([&, name = mesh_name, whole_map] {
+    const auto rows = [&, name = mesh_name, whole_map] {
       return fidelity_rows(name, meshes.at(name), faces.at(name), whole_map ? labels : heart_only(labels),
                            mesh_settings, bounds);
-    });
+    };
+    parts.push_back({rows, true});
   };
   for (const auto& name : whole_meshes(meshes)) add_fidelity(name, meshes.contains("torso"));
   for (const double edge : mesh_settings.resolutions_mm)
@@ -90,8 +91,11 @@ ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const
 Report joined(const ReportParts& parts) {
   std::vector<Report> reports(parts.size());
   std::vector<std::function<void()>> tasks;
-  for (std::size_t p = 0; p < parts.size(); ++p) tasks.emplace_back([&, p] { reports[p] = parts[p](); });
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (!parts[p].is_long) tasks.emplace_back([&, p] { reports[p] = parts[p].rows(); });
   parallel::run_tasks(tasks);
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (parts[p].is_long) reports[p] = parts[p].rows();
   Report all;
   for (const auto& report : reports) append(all, report);
   return all;

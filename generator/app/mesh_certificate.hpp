@@ -13,10 +13,14 @@
 
 namespace heart::app {
 
-/// Rows of a report in parts that do not depend on each other: they may be made at the same time.
-using ReportParts = std::vector<std::function<Report()>>;
+/// Rows of a report that depend on no others.
+struct ReportPart {
+  std::function<Report()> rows;
+  bool is_long = false;  ///< made by itself on all threads, where others are made at the same time, one on each
+};
+using ReportParts = std::vector<ReportPart>;
 
-/// Made on all threads; the same rows in the same order for any number of them.
+/// The same rows in the order of the parts for any number of threads.
 Report joined(const ReportParts& parts);
 
 /// Rows of group "mesh". Without labels (no voxels) the meshes are checked by themselves only. `faces` of each of the

@@ -165,15 +165,15 @@ validation::RegistrationFigures registration_figures(const fibers::FiberResult& 
 
 Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, const Meshes& meshes,
                    const validation::FacesOfMeshes& faces, const fibers::FiberResult& fibers) {
-  ReportParts parts = {[&] { return validation::check_labels(labels, needed_regions()); }};
+  ReportParts parts;
+  parts.push_back({[&] { return validation::check_labels(labels, needed_regions()); }});
   for (auto& part : mesh_certificate(meshes, faces, labels, recipe.mesh, recipe.validation))
     parts.push_back(std::move(part));
-  parts.emplace_back([&] {
+  parts.push_back({[&] {
     return validation::check_fibers(meshes.at("myocardium"), registration_figures(fibers), recipe.validation);
-  });
-  parts.emplace_back([&] { return check_resolution_fibers(meshes, recipe.mesh, recipe.validation); });
-  if (!ct.voxels.empty())
-    parts.emplace_back([&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); });
+  }});
+  parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, recipe.validation); }});
+  if (!ct.voxels.empty()) parts.push_back({[&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); }});
   return joined(parts);
 }
 
@@ -427,8 +427,8 @@ Report certificate(const Meshes& meshes, const LabelVolume& labels, const MeshSe
   const auto faces = validation::faces_of_meshes(meshes);
   ReportParts parts = mesh_certificate(meshes, faces, labels, mesh_settings, settings);
   if (meshes.contains("myocardium"))
-    parts.emplace_back([&] { return validation::check_fibers(meshes.at("myocardium"), {}, settings); });
-  parts.emplace_back([&] { return check_resolution_fibers(meshes, mesh_settings, settings); });
+    parts.push_back({[&] { return validation::check_fibers(meshes.at("myocardium"), {}, settings); }});
+  parts.push_back({[&] { return check_resolution_fibers(meshes, mesh_settings, settings); }});
   return joined(parts);
 }
 

@@ -4,9 +4,9 @@
 
 #include "generator/labels/given_labels.hpp"
 #include "generator/segment/components.hpp"
-#include "generator/segment/crop.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/morphology.hpp"
+#include "model/crop.hpp"
 
 namespace heart::labels {
 namespace {
@@ -95,31 +95,31 @@ LabelVolume with_filled_pockets(LabelVolume chambers, const LabelVolume& given) 
   const auto in_heart = [](std::uint8_t label) {
     return label != 0 && group_of(static_cast<Region>(label)) != Group::body;
   };
-  const segment::Box box = segment::bounding_box(given, 1, in_heart);
+  const Box box = bounding_box(given, 1, in_heart);
   if (box.empty()) return chambers;
-  LabelVolume heart = segment::crop(given, box);
+  LabelVolume heart = crop(given, box);
   for (auto& label : heart.voxels) label = in_heart(label) ? label : 0;
   const Mask solid = mask_where(heart, [](Region r) { return r != Region::none; });
   const Mask pockets = segment::subtract(segment::fill_holes(solid), solid);
   if (segment::count(pockets) == 0) return chambers;
   const LabelVolume nearest = segment::nearest_label(heart, 1e9);
-  LabelVolume part = segment::crop(chambers, box);
+  LabelVolume part = crop(chambers, box);
   for (std::size_t v = 0; v < pockets.voxels.size(); ++v)
     if (pockets.voxels[v] && part.voxels[v] == 0) part.voxels[v] = tag(filling(static_cast<Region>(nearest.voxels[v])));
-  segment::paste(part, box, chambers);
+  paste(part, box, chambers);
   return chambers;
 }
 
 LabelVolume near_heart(LabelVolume chambers, double reach_mm) {
   const auto is_vessel = [](Region r) { return r == Region::aorta || r == Region::pulmonary_artery; };
-  const segment::Box box = segment::bounding_box(chambers, 0, [](std::uint8_t label) { return label != 0; });
+  const Box box = bounding_box(chambers, 0, [](std::uint8_t label) { return label != 0; });
   if (box.empty()) return chambers;
-  LabelVolume part = segment::crop(chambers, box);
+  LabelVolume part = crop(chambers, box);
   const auto distance = segment::distance_to(mask_where(part, [&](Region r) { return is_blood(r) && !is_vessel(r); }));
   for (std::size_t v = 0; v < part.voxels.size(); ++v)
     if (is_vessel(static_cast<Region>(part.voxels[v])) && static_cast<double>(distance.voxels[v]) > reach_mm)
       part.voxels[v] = 0;
-  segment::paste(part, box, chambers);
+  paste(part, box, chambers);
   return chambers;
 }
 

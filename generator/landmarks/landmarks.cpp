@@ -38,17 +38,17 @@ struct Scene {
 
 Scene set_scene(const WorkingImage& whole, const Thorax& thorax, double bright_hu) {
   const Mask chest = refined(thorax.chest, whole.hu.grid);
-  const auto box = segment::bounding_box(chest, 0, [](std::uint8_t set) { return set != 0; });
-  Scene scene{crop(whole, box), segment::crop(chest, box), thorax.spine, {}};
+  const auto box = bounding_box(chest, 0, [](std::uint8_t set) { return set != 0; });
+  Scene scene{crop(whole, box), crop(chest, box), thorax.spine, {}};
   scene.contrast = measure_contrast(scene.image, scene.region, thorax.spine, bright_hu);
   scene.region = without_spine(scene.region, thorax.spine);
   return scene;
 }
 
 /// Voxels within a heart's reach and a little more.
-segment::Box box_around_heart(const Grid& grid, const Vec3& centre) {
+Box box_around_heart(const Grid& grid, const Vec3& centre) {
   constexpr double margin_mm = 12;  // shells of muscle around the outermost blood
-  segment::Box box;
+  Box box;
   const Index3 middle = nearest_voxel(grid, centre);
   const auto reach = static_cast<std::int64_t>((heart_reach_mm + margin_mm) / working_spacing_mm);
   for (std::size_t a = 0; a < 3; ++a) {
@@ -78,7 +78,7 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   const auto box = box_around_heart(scene.region.grid, centre);
   Chambers chambers;
   chambers.image = crop(scene.image, box);
-  const Mask blood = heart_blood(segment::crop(all_blood, box), segment::crop(scene.region, box), centre);
+  const Mask blood = heart_blood(crop(all_blood, box), crop(scene.region, box), centre);
   const auto basins = divide_at_constrictions(blood);
   const auto pools = measure_pools(chambers.image, basins, scene.contrast, scene.spine, centre);
   const auto left = find_left_heart(basins, pools, scene.spine);
@@ -88,7 +88,7 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   chambers.axis = find_long_axis(chambers.labels, chambers.image.smooth);
   const double muscle_hu = chambers.right.muscle_hu = pools.at(left->ventricle.front()).shell_hu;
   if (right == 0 || pools.at(right).hu < muscle_hu + pool_contrast_hu)
-    chambers.right.faint = add_faint_right_heart(chambers.labels, chambers.image, segment::crop(scene.region, box),
+    chambers.right.faint = add_faint_right_heart(chambers.labels, chambers.image, crop(scene.region, box),
                                                  chambers.axis, scene.contrast, muscle_hu);
   chambers.left_of_spine_mm = centre.x - scene.spine.at(centre.z).x;
   chambers.ventricle_certainty = left->certainty;

@@ -30,7 +30,7 @@ Mask thin_muscle(const Volume<float>& smooth, double bright_hu) {
 
 struct Extent {
   std::int64_t voxels = 0;
-  segment::Box box{{INT64_MAX, INT64_MAX, INT64_MAX}, {0, 0, 0}};
+  Box box{{INT64_MAX, INT64_MAX, INT64_MAX}, {0, 0, 0}};
   Vec3 sum;
 };
 
@@ -54,7 +54,7 @@ std::vector<Extent> extents_of(const Basins& basins) {
   return extents;
 }
 
-segment::Box grown(segment::Box box, const Grid& grid) {
+Box grown(Box box, const Grid& grid) {
   for (std::size_t a = 0; a < 3; ++a) {
     box.begin[a] = std::max<std::int64_t>(box.begin[a] - margin_voxels, 0);
     box.end[a] = std::min(box.end[a] + margin_voxels, grid.size[a]);
@@ -116,10 +116,10 @@ Pools measure_pools(const WorkingImage& image, const Basins& basins, const Contr
     pool.bottom_mm = position_mm(grid, 0, 0, extent.box.begin[2]).z;
     pool.top_mm = position_mm(grid, 0, 0, extent.box.end[2] - 1).z;
     const auto box = grown(extent.box, grid);
-    const auto labels = segment::crop(basins.label, box);
-    const auto smooth = segment::crop(image.smooth, box);
-    measure_shell(smooth, segment::crop(muscle, box), labels, label, pool);
-    measure_grey(segment::crop(image.hu, box), smooth, segment::crop(basins.depth_mm, box), labels, label, pool);
+    const auto labels = crop(basins.label, box);
+    const auto smooth = crop(image.smooth, box);
+    measure_shell(smooth, crop(muscle, box), labels, label, pool);
+    measure_grey(crop(image.hu, box), smooth, crop(basins.depth_mm, box), labels, label, pool);
     const Vec3 vertebra = spine.at(pool.centre_mm.z);
     pool.from_heart_mm = norm(pool.centre_mm - heart_centre);
     pool.left_mm = pool.centre_mm.x - vertebra.x;

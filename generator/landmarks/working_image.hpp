@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "generator/segment/crop.hpp"
+#include "model/crop.hpp"
 #include "model/volume.hpp"
 
 namespace heart::landmarks {
@@ -24,8 +24,8 @@ WorkingImage make_working_image(const CtVolume& ct);
 /// Every `step`-th voxel along each axis.
 Volume<float> thinned(const Volume<float>& image, std::int64_t step);
 
-inline WorkingImage crop(const WorkingImage& image, const segment::Box& box) {
-  return {segment::crop(image.hu, box), segment::crop(image.smooth, box)};
+inline WorkingImage crop(const WorkingImage& image, const Box& box) {
+  return {crop(image.hu, box), crop(image.smooth, box)};
 }
 
 /// LPS position of a voxel of a grid along the LPS axes.

@@ -17,12 +17,6 @@ constexpr std::array walls{Region::lv_myocardium, Region::rv_myocardium, Region:
 constexpr std::array others{Region::none,  Region::lung,    Region::bone,   Region::liver,
                             Region::torso, Region::trachea, Region::carotid};
 
-float sum_of(const Shares& shares, const auto& regions) {
-  float sum = 0;
-  for (const Region r : regions) sum += shares[tag(r)];
-  return sum;
-}
-
 std::uint8_t largest(const Shares& shares, const auto& regions) {
   Region best = regions[0];
   for (const Region r : regions)
@@ -30,55 +24,89 @@ std::uint8_t largest(const Shares& shares, const auto& regions) {
   return tag(best);
 }
 
-std::uint8_t decide(const Shares& shares) {
-  const float left = sum_of(shares, left_blood);
+/// The region where labels have these shares; share_at(label) is asked only for those that matter.
+template <class ShareAt>
+std::uint8_t decide(ShareAt&& share_at) {
+  Shares shares{};
+  const auto sum_of = [&](const auto& regions) {
+    float sum = 0;
+    for (const Region r : regions) sum += shares[tag(r)] = share_at(tag(r));
+    return sum;
+  };
+  const float left = sum_of(left_blood);
   if (left > 0.5F) return largest(shares, left_blood);
-  const float right = sum_of(shares, right_blood);
+  const float right = sum_of(right_blood);
   if (right > 0.5F) return largest(shares, right_blood);
-  const float wall = sum_of(shares, walls);
-  if (left + right + wall <= 0.5F) return largest(shares, others);
+  const float wall = sum_of(walls);
+  if (left + right + wall <= 0.5F) {
+    sum_of(others);
+    return largest(shares, others);
+  }
   if (wall > 0) return largest(shares, walls);
   return left >= right ? largest(shares, left_blood) : largest(shares, right_blood);
 }
 
+/// Shares of a row of voxels of the label map, 0 outside [first, last).
+struct ShareRow {
+  const float* share = nullptr;
+  std::int64_t first = 0, last = 0;
+  float at(std::int64_t i) const { return i >= first && i < last ? share[i - first] : 0.0F; }
+};
+
+ShareRow row_of(const ShareField& field, std::int64_t j, std::int64_t k) {
+  const auto& size = field.share.grid.size;
+  const auto y = j - field.first[1], z = k - field.first[2];
+  if (y < 0 || y >= size[1] || z < 0 || z >= size[2]) return {};
+  return {&field.share(0, y, z), field.first[0], field.first[0] + size[0]};
+}
+
 void decide_voxels(MeshDomain& domain, const LabelVolume& labels, const Box& box) {
-  std::array<const ShareField*, label_count> field_of{};
-  for (const auto& field : domain.shares) field_of[field.label] = &field;
   parallel::parallel_for(box.low[2], box.high[2] + 1, [&](std::int64_t begin, std::int64_t end) {
+    std::array<ShareRow, label_count> rows;
     for (auto k = begin; k < end; ++k)
-      for (auto j = box.low[1]; j <= box.high[1]; ++j)
+      for (auto j = box.low[1]; j <= box.high[1]; ++j) {
+        for (const auto& field : domain.shares) rows[field.label] = row_of(field, j, k);
+        const auto row = static_cast<std::size_t>(domain.grid.offset(0, j, k));
         for (auto i = box.low[0]; i <= box.high[0]; ++i) {
-          const Index3 at{i, j, k};
-          const auto voxel = static_cast<std::size_t>(domain.grid.offset(i, j, k));
-          auto& region = domain.voxels[voxel];
-          region = labels.voxels[voxel];
+          const auto voxel = row + static_cast<std::size_t>(i);
+          const auto label = labels.voxels[voxel];
           // More than a half of one label decides, but for one that is smoothed more than the others.
-          const bool is_bulk = (bulk_bits >> region & 1U) != 0;
-          if (share_at(*field_of[region], at) > (is_bulk ? 0.99F : 0.5F)) continue;
-          Shares shares{};
-          for (const auto& field : domain.shares) shares[field.label] = share_at(field, at);
-          region = decide(shares);
+          const bool is_bulk = (bulk_bits >> label & 1U) != 0;
+          const bool is_sure = rows[label].at(i) > (is_bulk ? 0.99F : 0.5F);
+          domain.voxels[voxel] = is_sure ? label : decide([&](std::uint8_t l) { return rows[l].at(i); });
         }
+      }
   });
+}
+
+/// Of the cubes from voxel `first` to `last` of a row, whose corners lie in four rows of voxels. Written as sums of
+/// differences, so that it vectorises.
+void find_uniform_cubes(const std::array<const std::uint8_t*, 4>& corners, std::int64_t first, std::int64_t last,
+                        std::int64_t step, std::uint8_t* cubes) {
+  for (auto i = first; i < last; ++i) {
+    const std::uint8_t label = corners[0][i];
+    int different = 0;
+    for (const auto* row : corners) different |= (row[i] ^ label) | (row[i + step] ^ label);
+    cubes[i] = different == 0 ? label : MeshDomain::mixed;
+  }
 }
 
 void find_uniform_cubes(MeshDomain& domain, const Box& box) {
   const auto& size = domain.grid.size;
-  const auto find = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    const auto cube = static_cast<std::size_t>(domain.grid.offset(i, j, k));
-    const std::int64_t di = i + 1 < size[0], dj = j + 1 < size[1] ? size[0] : 0,
-                       dk = k + 1 < size[2] ? size[0] * size[1] : 0;
-    const auto* corner = &domain.voxels[cube];
-    const std::uint8_t label = corner[0];
-    const bool same = corner[di] == label && corner[dj] == label && corner[di + dj] == label && corner[dk] == label &&
-                      corner[di + dk] == label && corner[dj + dk] == label && corner[di + dj + dk] == label;
-    domain.cubes[cube] = same ? label : MeshDomain::mixed;
-  };
   const auto first = [&](std::size_t axis) { return std::max<std::int64_t>(0, box.low[axis] - 1); };
+  const auto last = std::min(box.high[0] + 1, size[0] - 1);  // the cube of the last voxel has no width
   parallel::parallel_for(first(2), box.high[2] + 1, [&](std::int64_t begin, std::int64_t end) {
     for (auto k = begin; k < end; ++k)
-      for (auto j = first(1); j <= box.high[1]; ++j)
-        for (auto i = first(0); i <= box.high[0]; ++i) find(i, j, k);
+      for (auto j = first(1); j <= box.high[1]; ++j) {
+        const auto row = [&](std::int64_t dj, std::int64_t dk) {
+          return domain.voxels.data() +
+                 domain.grid.offset(0, std::min(j + dj, size[1] - 1), std::min(k + dk, size[2] - 1));
+        };
+        const std::array<const std::uint8_t*, 4> corners{row(0, 0), row(1, 0), row(0, 1), row(1, 1)};
+        auto* cubes = domain.cubes.data() + domain.grid.offset(0, j, k);
+        find_uniform_cubes(corners, first(0), last, 1, cubes);
+        find_uniform_cubes(corners, last, box.high[0] + 1, 0, cubes);
+      }
   });
 }
 
@@ -206,9 +234,10 @@ std::uint8_t region_at(const MeshDomain& domain, const Vec3& index) {
   const auto [cube, fraction] = place_of(domain.grid, index);
   const auto label = domain.cubes[static_cast<std::size_t>(domain.grid.offset(cube[0], cube[1], cube[2]))];
   if (label != MeshDomain::mixed) return label;
-  Shares shares{};
-  for (const auto& field : domain.shares) shares[field.label] = trilinear(field, cube, fraction);
-  return decide(shares);
+  return decide([&, &cube = cube, &fraction = fraction](std::uint8_t l) {
+    const auto field = domain.share_of[l];
+    return field < 0 ? 0.0F : trilinear(domain.shares[static_cast<std::size_t>(field)], cube, fraction);
+  });
 }
 
 }  // namespace heart::mesh

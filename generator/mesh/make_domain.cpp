@@ -176,10 +176,13 @@ MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm, double bo
   const auto coarse = sharp_kernels(sigma_voxels(labels.grid, std::max(smoothing_mm, body_smoothing_mm)));
   MeshDomain domain;
   domain.grid = labels.grid;
-  for (std::size_t label = 0; label < label_count; ++label)
-    if (!boxes[label].empty())
-      domain.shares.push_back(share_field(labels, static_cast<std::uint8_t>(label), boxes[label],
-                                          is_kept(static_cast<std::uint8_t>(label)) ? fine : coarse));
+  domain.share_of.fill(-1);
+  for (std::size_t label = 0; label < label_count; ++label) {
+    if (boxes[label].empty()) continue;
+    domain.share_of[label] = static_cast<std::int8_t>(domain.shares.size());
+    domain.shares.push_back(share_field(labels, static_cast<std::uint8_t>(label), boxes[label],
+                                        is_kept(static_cast<std::uint8_t>(label)) ? fine : coarse));
+  }
   const Box whole{{0, 0, 0}, {labels.grid.size[0] - 1, labels.grid.size[1] - 1, labels.grid.size[2] - 1}};
   update_regions(domain, labels, whole);
   const Box box = box_of_kept(domain);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "generator/parallel/threads.hpp"
 
@@ -24,36 +25,128 @@ std::vector<float> kernel(double reach_voxels, Weight&& weight) {
   return weights;
 }
 
-// Works on whole rows, so that it vectorises.
-void smooth_axis(Volume<float>& volume, std::size_t axis, const std::vector<float>& weights) {
-  const auto& grid = volume.grid;
-  const auto& size = grid.size;
-  const std::int64_t radius = radius_of(weights), row_length = size[0];
-  std::vector<float> result(volume.voxels.size(), 0.0F);
-  const auto smooth_slices = [&](std::int64_t begin, std::int64_t end) {
-    std::vector<float> padded(static_cast<std::size_t>(row_length + 2 * radius));
-    for (std::int64_t k = begin; k < end; ++k)
-      for (std::int64_t j = 0; j < size[1]; ++j) {
-        float* out = &result[static_cast<std::size_t>(grid.offset(0, j, k))];
-        if (axis == 0) {
-          const float* row = &volume.voxels[static_cast<std::size_t>(grid.offset(0, j, k))];
-          for (std::int64_t i = 0; i < row_length + 2 * radius; ++i)
-            padded[static_cast<std::size_t>(i)] = row[std::clamp<std::int64_t>(i - radius, 0, row_length - 1)];
-        }
-        for (std::int64_t tap = -radius; tap <= radius; ++tap) {
-          const float weight = weights[static_cast<std::size_t>(tap + radius)];
-          const auto shifted = [&](std::int64_t at, std::size_t along) {
-            return along == axis ? std::clamp<std::int64_t>(at + tap, 0, size[along] - 1) : at;
-          };
-          const float* in =
-              axis == 0 ? padded.data() + radius + tap
-                        : &volume.voxels[static_cast<std::size_t>(grid.offset(0, shifted(j, 1), shifted(k, 2)))];
-          for (std::int64_t i = 0; i < row_length; ++i) out[i] += weight * in[i];
-        }
+// Away from its surfaces a share is 0 or 1, mostly: stretches of rows that see one value only are filled with what the
+// weights make of it, by the same sums.
+constexpr std::int64_t stretch_voxels = 32;
+constexpr float mixed = std::numeric_limits<float>::quiet_NaN();
+
+/// The value of each stretch of a row where it is the same all along, else `mixed`.
+struct Stretches {
+  std::int64_t per_row;
+  std::vector<float> value;
+  float* row(std::int64_t number) { return value.data() + number * per_row; }
+  const float* row(std::int64_t number) const { return value.data() + number * per_row; }
+};
+
+Stretches stretches_of(const Volume<float>& volume) {
+  const auto& size = volume.grid.size;
+  Stretches result{(size[0] + stretch_voxels - 1) / stretch_voxels, {}};
+  result.value.resize(static_cast<std::size_t>(result.per_row * size[1] * size[2]));
+  parallel::parallel_for(0, size[1] * size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (auto r = begin; r < end; ++r)
+      for (std::int64_t s = 0; s < result.per_row; ++s) {
+        const float* first = volume.voxels.data() + r * size[0] + s * stretch_voxels;
+        const float* last = volume.voxels.data() + std::min((s + 1) * stretch_voxels + r * size[0], (r + 1) * size[0]);
+        result.row(r)[s] = std::all_of(first, last, [&](float v) { return v == *first; }) ? *first : mixed;
       }
-  };
-  parallel::parallel_for(0, size[2], smooth_slices);
+  });
+  return result;
+}
+
+/// One axis of a convolution: where it reads (border values continued) and what it weighs.
+class AxisPass {
+ public:
+  AxisPass(const Volume<float>& volume, const Stretches& stretches, std::size_t axis, const std::vector<float>& weights)
+      : volume_(volume), stretches_(stretches), axis_(axis), weights_(weights), radius_(radius_of(weights)) {}
+
+  /// Writes the row (j, k) and its stretches.
+  void smooth_row(std::int64_t j, std::int64_t k, std::vector<float>& padded, float* out, float* out_stretches) const {
+    const auto length = volume_.grid.size[0], count = stretches_.per_row;
+    bool is_padded = false;
+    for (std::int64_t s = 0; s < count;) {
+      out_stretches[s] = weighed(common_value(s, j, k));
+      const auto from = s * stretch_voxels;
+      if (!std::isnan(out_stretches[s])) {
+        std::fill(out + from, out + std::min(from + stretch_voxels, length), out_stretches[s]);
+        ++s;
+        continue;
+      }
+      for (++s; s < count && std::isnan(common_value(s, j, k)); ++s) out_stretches[s] = mixed;
+      if (axis_ == 0 && !is_padded) pad(j, k, padded);
+      is_padded = true;
+      convolve(j, k, padded, out, from, std::min(s * stretch_voxels, length));
+    }
+  }
+
+ private:
+  std::int64_t row_at(std::int64_t j, std::int64_t k, std::int64_t tap) const {
+    const auto& size = volume_.grid.size;
+    if (axis_ == 1) j = std::clamp<std::int64_t>(j + tap, 0, size[1] - 1);
+    if (axis_ == 2) k = std::clamp<std::int64_t>(k + tap, 0, size[2] - 1);
+    return k * size[1] + j;
+  }
+
+  /// The value of all voxels that a stretch depends on, or `mixed`.
+  float common_value(std::int64_t s, std::int64_t j, std::int64_t k) const {
+    const float own = stretches_.row(row_at(j, k, 0))[s];
+    if (axis_ == 0) {
+      const auto reach = (radius_ + stretch_voxels - 1) / stretch_voxels;
+      const float* row = stretches_.row(row_at(j, k, 0));
+      const auto last = std::min(s + reach, stretches_.per_row - 1);
+      for (auto other = std::max<std::int64_t>(0, s - reach); other <= last; ++other)
+        if (row[other] != own) return mixed;
+      return own;
+    }
+    for (auto tap = -radius_; tap <= radius_; ++tap)
+      if (stretches_.row(row_at(j, k, tap))[s] != own) return mixed;
+    return own;
+  }
+
+  float weighed(float value) const {
+    float sum = 0;
+    for (const float weight : weights_) sum += weight * value;
+    return sum;
+  }
+
+  void pad(std::int64_t j, std::int64_t k, std::vector<float>& padded) const {
+    const auto length = volume_.grid.size[0];
+    const float* row = &volume_(0, j, k);
+    for (std::int64_t i = 0; i < length + 2 * radius_; ++i)
+      padded[static_cast<std::size_t>(i)] = row[std::clamp<std::int64_t>(i - radius_, 0, length - 1)];
+  }
+
+  // Tap by tap along the row, so that it vectorises.
+  void convolve(std::int64_t j, std::int64_t k, const std::vector<float>& padded, float* out, std::int64_t from,
+                std::int64_t to) const {
+    std::fill(out + from, out + to, 0.0F);
+    for (auto tap = -radius_; tap <= radius_; ++tap) {
+      const float weight = weights_[static_cast<std::size_t>(tap + radius_)];
+      const float* in =
+          axis_ == 0 ? padded.data() + radius_ + tap : volume_.voxels.data() + row_at(j, k, tap) * volume_.grid.size[0];
+      for (auto i = from; i < to; ++i) out[i] += weight * in[i];
+    }
+  }
+
+  const Volume<float>& volume_;
+  const Stretches& stretches_;
+  std::size_t axis_;
+  const std::vector<float>& weights_;
+  std::int64_t radius_;
+};
+
+void smooth_axis(Volume<float>& volume, Stretches& stretches, std::size_t axis, const std::vector<float>& weights,
+                 std::vector<float>& result) {
+  const auto& size = volume.grid.size;
+  const AxisPass pass(volume, stretches, axis, weights);
+  Stretches smoothed{stretches.per_row, std::vector<float>(stretches.value.size())};
+  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
+    std::vector<float> padded(static_cast<std::size_t>(size[0]) + weights.size());
+    for (auto k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < size[1]; ++j)
+        pass.smooth_row(j, k, padded, result.data() + volume.grid.offset(0, j, k), smoothed.row(k * size[1] + j));
+  });
   volume.voxels.swap(result);
+  stretches = std::move(smoothed);
 }
 
 }  // namespace
@@ -85,7 +178,9 @@ Kernels sharp_kernels(const Vec3& sigma_voxels) {
 }
 
 void smooth(Volume<float>& volume, const Kernels& kernels) {
-  for (std::size_t axis = 0; axis < 3; ++axis) smooth_axis(volume, axis, kernels[axis]);
+  auto stretches = stretches_of(volume);
+  std::vector<float> result(volume.voxels.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) smooth_axis(volume, stretches, axis, kernels[axis], result);
 }
 
 ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box, const Kernels& kernels) {
@@ -99,12 +194,14 @@ ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box&
     grid.size[axis] = std::min(labels.grid.size[axis], box.high[axis] + margin + 1) - field.first[axis];
   }
   field.share = Volume<float>(grid);
-  for (std::int64_t k = 0; k < grid.size[2]; ++k)
-    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-      const auto* in = &labels(field.first[0], field.first[1] + j, field.first[2] + k);
-      float* out = &field.share(0, j, k);
-      for (std::int64_t i = 0; i < grid.size[0]; ++i) out[i] = in[i] == label ? 1.0F : 0.0F;
-    }
+  parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < grid.size[1]; ++j) {
+        const auto* in = &labels(field.first[0], field.first[1] + j, field.first[2] + k);
+        float* out = &field.share(0, j, k);
+        for (std::int64_t i = 0; i < grid.size[0]; ++i) out[i] = in[i] == label ? 1.0F : 0.0F;
+      }
+  });
   smooth(field.share, kernels);
   return field;
 }

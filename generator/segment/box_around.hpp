@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "generator/segment/crop.hpp"
+#include "model/crop.hpp"
 #include "model/grid.hpp"
 
 namespace heart::segment {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "generator/segment/components.hpp"
-#include "generator/segment/crop.hpp"
 #include "generator/segment/morphology.hpp"
+#include "model/crop.hpp"
 
 namespace heart::segment {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "generator/segment/crop.hpp"
 #include "generator/segment/decided.hpp"
 #include "generator/segment/descend.hpp"
 #include "generator/segment/primal_dual.hpp"
 #include "generator/segment/two_classes.hpp"
+#include "model/crop.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/crop.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/fast_sweeping.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/total_variation.hpp"
+#include "model/crop.hpp"
 
 namespace heart::segment {
 namespace {

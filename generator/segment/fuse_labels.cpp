@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "generator/segment/components.hpp"
-#include "generator/segment/crop.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/morphology.hpp"
+#include "model/crop.hpp"
 #include "model/labels.hpp"
 
 namespace heart::segment {

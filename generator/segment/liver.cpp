@@ -9,11 +9,11 @@
 
 #include "generator/segment/box_around.hpp"
 #include "generator/segment/components.hpp"
-#include "generator/segment/crop.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
+#include "model/crop.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {

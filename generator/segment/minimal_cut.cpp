@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "generator/segment/crop.hpp"
 #include "generator/segment/primal_dual.hpp"
+#include "model/crop.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {

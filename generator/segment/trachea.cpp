@@ -10,10 +10,10 @@
 #include "generator/segment/bronchi.hpp"
 #include "generator/segment/chan_vese.hpp"
 #include "generator/segment/components.hpp"
-#include "generator/segment/crop.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
+#include "model/crop.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {

@@ -1,6 +1,6 @@
 // Private to this folder: the heart's part of the image, and which chamber's wall a voxel can belong to.
 #pragma once
-#include "generator/segment/crop.hpp"
+#include "model/crop.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "model/volume.hpp"

@@ -1,4 +1,4 @@
-// Solving on the bounding box of what takes part.
+// The bounding box of what takes part, and the part of a volume inside it.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::segment {
+namespace heart {
 
 /// Voxels [begin, end) along each axis.
 struct Box {
@@ -60,4 +60,4 @@ void paste(const Volume<T>& part, const Box& box, Volume<T>& whole) {
       std::copy_n(&part(0, j, k), part.grid.size[0], &whole(box.begin[0], box.begin[1] + j, box.begin[2] + k));
 }
 
-}  // namespace heart::segment
+}  // namespace heart

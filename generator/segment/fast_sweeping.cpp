@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace heart::segment {
@@ -165,16 +166,27 @@ struct Term {
 
 /// The smallest v with Σ weight (v - value)² = 1 over the terms below v.
 double solve(std::array<Term, 3> terms) {
-  std::sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) { return a.value < b.value; });
-  double v = unknown, a = 0, b = 0, c = -1;
-  for (const Term& t : terms) {
-    if (!(t.value < v) || t.value >= double{unknown}) break;
-    a += t.weight;
-    b += t.weight * t.value;
-    c += t.weight * t.value * t.value;
-    v = (b + std::sqrt(std::max(b * b - a * c, 0.0))) / a;
+  const auto put_in_order = [&](std::size_t low, std::size_t high) {
+    if (terms[high].value < terms[low].value) std::swap(terms[low], terms[high]);
+  };
+  put_in_order(0, 1);
+  put_in_order(1, 2);
+  put_in_order(0, 1);
+  // All three are computed, and then chosen from: which of them holds is a guess that processors often lose.
+  std::array<double, 3> root{};
+  double a = 0, b = 0, c = -1;
+  for (std::size_t n = 0; n < 3; ++n) {
+    const auto [value, weight] = terms[n];
+    a += weight;
+    b += weight * value;
+    c += weight * value * value;
+    root[n] = (b + std::sqrt(std::max(b * b - a * c, 0.0))) / a;
   }
-  return v;
+  const bool one = terms[0].value < double{unknown}, two = one && terms[1].value < root[0],
+             three = two && terms[2].value < root[1];
+  double v = one ? root[0] : double{unknown};
+  v = two ? root[1] : v;
+  return three ? root[2] : v;
 }
 
 /// What a sweep needs to know of an axis.
@@ -183,19 +195,16 @@ struct Axis {
   double weight;  ///< 1 / h²
 };
 
-/// Values along an axis, seen from the side that the voxel is on (`sign`).
-Term upwind_term(const float* here, double sign, const Axis& axis, std::int64_t place, bool second_order) {
-  const auto at = [&](std::int64_t steps) {
-    const auto n = place + steps;
-    return n < 0 || n >= axis.size ? double{unknown} : sign * here[steps * axis.step];
-  };
-  const double lower = at(-1), upper = at(1);
+/// Values along an axis, seen from the side that the voxel is on (`sign`): value_at(steps) is `unknown` outside.
+template <class ValueAt>
+Term upwind_term(double weight, bool second_order, const ValueAt& value_at) {
+  const double lower = value_at(-1), upper = value_at(1);
   const std::int64_t side = lower < upper ? -1 : 1;
   const double near = std::min(lower, upper);
   if (near >= double{unknown}) return {};
-  const double far = second_order ? at(2 * side) : double{unknown};
-  if (!(far <= near)) return {near, axis.weight};
-  return {(4 * near - far) / 3, axis.weight * 9 / 4};
+  const double far = second_order ? value_at(2 * side) : double{unknown};
+  if (!(far <= near)) return {near, weight};
+  return {(4 * near - far) / 3, weight * 9 / 4};
 }
 
 struct Sweep {
@@ -204,6 +213,8 @@ struct Sweep {
   bool second_order;
 };
 
+/// `everywhere`: all places that the row's differences ask for lie in the image, along y and z.
+template <bool second_order, bool everywhere>
 void sweep_row(Distances& d, const Sweep& s, std::int64_t j, std::int64_t k) {
   const auto nx = s.axes[0].size;
   float* row = d.value.row(j, k);
@@ -212,12 +223,29 @@ void sweep_row(Distances& d, const Sweep& s, std::int64_t j, std::int64_t k) {
     const auto i = s.backwards[0] ? nx - 1 - n : n;
     if (kept[i]) continue;
     float* here = row + i;
-    const double sign = *here < 0 ? -1 : 1;
-    const double v = solve({upwind_term(here, sign, s.axes[0], i, s.second_order),
-                            upwind_term(here, sign, s.axes[1], j, s.second_order),
-                            upwind_term(here, sign, s.axes[2], k, s.second_order)});
-    if (v < double{unknown} && (s.second_order || v < sign * *here)) *here = static_cast<float>(sign * v);
+    const double sign = *here < 0 ? -1 : 1, own = sign * *here;
+    const auto term = [&](std::size_t axis, std::int64_t place) {
+      const auto [step, size, weight] = s.axes[axis];
+      return upwind_term(weight, second_order, [&](std::int64_t steps) {
+        const bool exists = (everywhere && axis != 0) || (place + steps >= 0 && place + steps < size);
+        return exists ? sign * here[steps * step] : double{unknown};
+      });
+    };
+    const std::array terms{term(0, i), term(1, j), term(2, k)};
+    // No term is above the distance that follows from it.
+    if (!second_order && std::min({terms[0].value, terms[1].value, terms[2].value}) >= own) continue;
+    const double v = solve(terms);
+    if (v < double{unknown} && (second_order || v < own)) *here = static_cast<float>(sign * v);
   }
+}
+
+void sweep_row(Distances& d, const Sweep& s, std::int64_t j, std::int64_t k) {
+  const auto has_room = [](std::int64_t place, std::int64_t size) { return place >= 2 && place + 2 < size; };
+  const bool everywhere = has_room(j, s.axes[1].size) && has_room(k, s.axes[2].size);
+  if (s.second_order)
+    everywhere ? sweep_row<true, true>(d, s, j, k) : sweep_row<true, false>(d, s, j, k);
+  else
+    everywhere ? sweep_row<false, true>(d, s, j, k) : sweep_row<false, false>(d, s, j, k);
 }
 
 /// A row needs the rows before it along y and z: rows of one diagonal of the (y, z) plane go together. `block`: the

@@ -6,80 +6,137 @@
 namespace heart {
 namespace {
 
-/// Rows that are sought, with the inverse of their diagonal.
+/// Entries of some rows to one side of the diagonal, in the numbering of the free rows.
+struct Triangle {
+  std::vector<std::size_t> start{0};  ///< rows + 1 values
+  std::vector<std::int32_t> column;
+  std::vector<double> value;
+
+  double product(std::size_t row, const std::vector<double>& x) const {
+    double sum = 0;
+    for (auto e = start[row]; e < start[row + 1]; ++e) sum += value[e] * x[static_cast<std::size_t>(column[e])];
+    return sum;
+  }
+};
+
+/// The rows that are sought: S A S = I + lower + upper with the scale S = diagonal^-1/2.
 struct FreeRows {
-  std::vector<std::int32_t> row;
-  std::vector<double> inverse_diagonal;
-  std::vector<std::size_t> diagonal;  ///< entry of the matrix; columns ascend, so those before it lie to the left
+  std::vector<std::int32_t> row;  ///< of the whole matrix
+  std::vector<double> scale;
+  Triangle lower, upper;
 };
 
 FreeRows free_rows(const Stiffness& matrix, const FixedValues& fixed) {
+  constexpr std::int32_t held = -1;
   FreeRows rows;
-  rows.inverse_diagonal.assign(fixed.size(), 1);
-  rows.diagonal.assign(fixed.size(), 0);
+  std::vector<std::int32_t> number(fixed.size(), held);
   for (std::size_t r = 0; r < fixed.size(); ++r) {
     if (!std::isnan(fixed[r])) continue;
     for (auto e = matrix.start[r]; e < matrix.start[r + 1]; ++e)
       if (static_cast<std::size_t>(matrix.column[e]) == r && matrix.value[e] > 0) {
-        rows.inverse_diagonal[r] = 1 / matrix.value[e];
-        rows.diagonal[r] = e;
+        number[r] = static_cast<std::int32_t>(rows.row.size());
         rows.row.push_back(static_cast<std::int32_t>(r));
+        rows.scale.push_back(1 / std::sqrt(matrix.value[e]));
       }
+  }
+  for (std::size_t n = 0; n < rows.row.size(); ++n) {
+    const auto r = static_cast<std::size_t>(rows.row[n]);
+    for (auto e = matrix.start[r]; e < matrix.start[r + 1]; ++e) {
+      const auto m = number[static_cast<std::size_t>(matrix.column[e])];
+      if (m == held || m == static_cast<std::int32_t>(n)) continue;
+      Triangle& side = m < static_cast<std::int32_t>(n) ? rows.lower : rows.upper;
+      side.column.push_back(m);
+      side.value.push_back(rows.scale[n] * matrix.value[e] * rows.scale[static_cast<std::size_t>(m)]);
+    }
+    rows.lower.start.push_back(rows.lower.column.size());
+    rows.upper.start.push_back(rows.upper.column.size());
   }
   return rows;
 }
 
-/// Sum over some entries of a row.
-double part_product(const Stiffness& matrix, std::size_t first, std::size_t end, const std::vector<double>& x) {
-  double sum = 0;
-  for (auto e = first; e < end; ++e) sum += matrix.value[e] * x[static_cast<std::size_t>(matrix.column[e])];
-  return sum;
+/// Solves (I + lower) x = x in place.
+void solve_lower(const FreeRows& rows, std::vector<double>& x) {
+  for (std::size_t n = 0; n < x.size(); ++n) x[n] -= rows.lower.product(n, x);
+}
+
+/// Solves (I + upper) x = x in place.
+void solve_upper(const FreeRows& rows, std::vector<double>& x) {
+  for (std::size_t n = x.size(); n-- > 0;) x[n] -= rows.upper.product(n, x);
 }
 
 double row_product(const Stiffness& matrix, std::size_t r, const std::vector<double>& x) {
-  return part_product(matrix, matrix.start[r], matrix.start[r + 1], x);
-}
-
-/// z = (D + U)^-1 D (D + L)^-1 r on the free rows; z is 0 elsewhere and stays so.
-void precondition(const Stiffness& matrix, const FreeRows& rows, const std::vector<double>& r, std::vector<double>& z) {
-  for (const auto row : rows.row) z[static_cast<std::size_t>(row)] = 0;
-  for (const auto row : rows.row) {
-    const auto n = static_cast<std::size_t>(row);
-    z[n] = rows.inverse_diagonal[n] * (r[n] - part_product(matrix, matrix.start[n], rows.diagonal[n], z));
-  }
-  for (auto it = rows.row.rbegin(); it != rows.row.rend(); ++it) {
-    const auto n = static_cast<std::size_t>(*it);
-    z[n] -= rows.inverse_diagonal[n] * part_product(matrix, rows.diagonal[n] + 1, matrix.start[n + 1], z);
-  }
-}
-
-double product(const FreeRows& rows, const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
-  for (const auto row : rows.row) sum += a[static_cast<std::size_t>(row)] * b[static_cast<std::size_t>(row)];
+  for (auto e = matrix.start[r]; e < matrix.start[r + 1]; ++e)
+    sum += matrix.value[e] * x[static_cast<std::size_t>(matrix.column[e])];
   return sum;
 }
 
+double product(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) sum += a[n] * b[n];
+  return sum;
+}
+
+/// Cells around each row, ascending, by their positions in matrix.cells.
+struct CellsAround {
+  std::vector<std::size_t> start;  ///< rows + 1 values
+  std::vector<std::int32_t> cell;
+};
+
+CellsAround cells_around(const Stiffness& matrix) {
+  CellsAround around;
+  around.start.assign(matrix.nodes.size() + 1, 0);
+  for (const auto& corners : matrix.corners)
+    for (const auto row : corners) ++around.start[static_cast<std::size_t>(row) + 1];
+  for (std::size_t r = 1; r < around.start.size(); ++r) around.start[r] += around.start[r - 1];
+  around.cell.resize(around.start.back());
+  auto next = around.start;
+  for (std::size_t c = 0; c < matrix.corners.size(); ++c)
+    for (const auto row : matrix.corners[c])
+      around.cell[next[static_cast<std::size_t>(row)]++] = static_cast<std::int32_t>(c);
+  return around;
+}
+
 struct Entry {
-  std::int32_t row, column;
+  std::int32_t column;
   double value;
 };
 
-/// Entries of equal place become one, in the order of the cells.
-void compress(std::vector<Entry> entries, Stiffness& matrix) {
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
-  matrix.start.assign(matrix.nodes.size() + 1, 0);
-  for (std::size_t e = 0; e < entries.size(); ++e) {
-    const bool again = e > 0 && entries[e].row == entries[e - 1].row && entries[e].column == entries[e - 1].column;
-    if (again) {
-      matrix.value.back() += entries[e].value;
-      continue;
-    }
-    ++matrix.start[static_cast<std::size_t>(entries[e].row) + 1];
-    matrix.column.push_back(entries[e].column);
-    matrix.value.push_back(entries[e].value);
+/// Adds what one cell says of a row; entries of equal place become one, in the order of the cells.
+void add_cell(const TetMesh& mesh, const Stiffness& matrix, std::size_t c, std::int32_t row,
+              std::vector<Entry>& entries) {
+  const Cell& cell = mesh.cells[static_cast<std::size_t>(matrix.cells[c])];
+  const auto& corners = matrix.corners[c];
+  const auto gradient = shape_gradients(mesh, cell);
+  const double volume = std::abs(cell_volume_mm3(mesh, cell));
+  const auto a = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), row) - corners.begin());
+  for (std::size_t b = 0; b < 4; ++b) {
+    const double value = volume * dot(gradient[a], gradient[b]);
+    const auto known =
+        std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.column == corners[b]; });
+    if (known == entries.end())
+      entries.push_back({corners[b], value});
+    else
+      known->value += value;
   }
-  for (std::size_t r = 1; r < matrix.start.size(); ++r) matrix.start[r] += matrix.start[r - 1];
+}
+
+void set_rows(const TetMesh& mesh, Stiffness& matrix) {
+  const CellsAround around = cells_around(matrix);
+  matrix.start.assign(1, 0);
+  matrix.start.reserve(matrix.nodes.size() + 1);
+  std::vector<Entry> entries;
+  for (std::size_t r = 0; r < matrix.nodes.size(); ++r) {
+    entries.clear();
+    for (auto n = around.start[r]; n < around.start[r + 1]; ++n)
+      add_cell(mesh, matrix, static_cast<std::size_t>(around.cell[n]), static_cast<std::int32_t>(r), entries);
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.column < b.column; });
+    for (const Entry& e : entries) {
+      matrix.column.push_back(e.column);
+      matrix.value.push_back(e.value);
+    }
+    matrix.start.push_back(matrix.column.size());
+  }
 }
 
 }  // namespace
@@ -105,55 +162,48 @@ Stiffness make_stiffness(const TetMesh& mesh, const std::vector<std::int32_t>& c
     row[n] = static_cast<std::int32_t>(matrix.nodes.size());
     matrix.nodes.push_back(static_cast<std::int32_t>(n));
   }
-  std::vector<Entry> entries;
-  entries.reserve(cells.size() * 16);
   matrix.corners.reserve(cells.size());
   for (const auto c : cells) {
     const Cell& cell = mesh.cells[static_cast<std::size_t>(c)];
-    const auto gradient = shape_gradients(mesh, cell);
-    const double volume = std::abs(cell_volume_mm3(mesh, cell));
-    std::array<std::int32_t, 4> corner;
-    for (std::size_t a = 0; a < 4; ++a) corner[a] = row[static_cast<std::size_t>(cell[a])];
-    matrix.corners.push_back(corner);
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < 4; ++b)
-        entries.push_back({corner[a], corner[b], volume * dot(gradient[a], gradient[b])});
+    auto& corners = matrix.corners.emplace_back();
+    for (std::size_t a = 0; a < 4; ++a) corners[a] = row[static_cast<std::size_t>(cell[a])];
   }
-  compress(std::move(entries), matrix);
+  set_rows(mesh, matrix);
   return matrix;
 }
 
+// Conjugate gradients on (I + lower)^-1 (I + lower + upper) (I + upper)^-1: with u = (I + upper)^-1 p its product with
+// p is u + (I + lower)^-1 (p - u), one pass through the matrix for both the product and the preconditioner (Eisenstat,
+// SIAM J. Sci. Stat. Comput. 2, 1981).
 std::vector<double> solve_laplace(const Stiffness& matrix, const FixedValues& fixed) {
   constexpr int most_iterations = 2000;
   constexpr double tolerance = 1e-6;
   const FreeRows rows = free_rows(matrix, fixed);
+  const std::size_t count = rows.row.size();
   std::vector<double> x = fixed;
   for (double& v : x)
     if (std::isnan(v)) v = 0;
-  std::vector<double> residual(x.size()), direction(x.size()), image(x.size()), scaled(x.size());
-  for (const auto row : rows.row) {
-    const auto n = static_cast<std::size_t>(row);
-    residual[n] = -row_product(matrix, n, x);
-  }
-  double rho = 0, first = 0;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    precondition(matrix, rows, residual, scaled);
-    const double next = product(rows, residual, scaled);
-    if (iteration == 0) first = next;
-    if (!(next > tolerance * tolerance * first)) break;
-    for (const auto row : rows.row) {
-      const auto n = static_cast<std::size_t>(row);
-      direction[n] = iteration == 0 ? scaled[n] : scaled[n] + next / rho * direction[n];
-    }
-    rho = next;
-    for (const auto row : rows.row)
-      image[static_cast<std::size_t>(row)] = row_product(matrix, static_cast<std::size_t>(row), direction);
-    const double step = rho / product(rows, direction, image);
-    for (const auto row : rows.row) {
-      const auto n = static_cast<std::size_t>(row);
-      x[n] += step * direction[n];
+  std::vector<double> residual(count), direction(count), step_up(count), image(count);
+  for (std::size_t n = 0; n < count; ++n)
+    residual[n] = -rows.scale[n] * row_product(matrix, static_cast<std::size_t>(rows.row[n]), x);
+  solve_lower(rows, residual);
+  const double first = product(residual, residual);
+  double rho = first, before = 0;
+  for (int iteration = 0; iteration < most_iterations && rho > tolerance * tolerance * first; ++iteration) {
+    const double keep = iteration == 0 ? 0 : rho / before;
+    for (std::size_t n = 0; n < count; ++n) direction[n] = residual[n] + keep * direction[n];
+    step_up = direction;
+    solve_upper(rows, step_up);
+    for (std::size_t n = 0; n < count; ++n) image[n] = direction[n] - step_up[n];
+    solve_lower(rows, image);
+    for (std::size_t n = 0; n < count; ++n) image[n] += step_up[n];
+    const double step = rho / product(direction, image);
+    for (std::size_t n = 0; n < count; ++n) {
+      x[static_cast<std::size_t>(rows.row[n])] += step * rows.scale[n] * step_up[n];
       residual[n] -= step * image[n];
     }
+    before = rho;
+    rho = product(residual, residual);
   }
   return x;
 }

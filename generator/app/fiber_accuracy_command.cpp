@@ -201,25 +201,26 @@ KnownAxes known_at_nodes(const Patient& patient, HelixField field, const TetMesh
 }
 
 struct Errors {
+  std::size_t places = 0;
   double mean_deg = 0, p95_deg = 0, cover = 0;
 };
 
 Errors errors_of(const KnownAxes& known, const std::vector<atlas::AxisTensor>& carried, bool left) {
   std::vector<double> angles_deg;
-  double all = 0;
+  std::size_t places = 0;
   for (std::size_t n = 0; n < carried.size(); ++n) {
     if ((known.left[n] != 0) != left) continue;
-    ++all;
+    ++places;
     if (trace(carried[n]) <= 0) continue;
     const double cosine = std::abs(dot(known.axis[n], atlas::leading_axis(carried[n])));
     angles_deg.push_back(std::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi);
   }
-  if (angles_deg.empty()) return {};
+  if (angles_deg.empty()) return {places, 0, 0, 0};
   double sum = 0;
   for (const double a : angles_deg) sum += a;
   std::sort(angles_deg.begin(), angles_deg.end());
   const auto count = static_cast<double>(angles_deg.size());
-  return {sum / count, angles_deg[(angles_deg.size() - 1) * 95 / 100], count / all};
+  return {places, sum / count, angles_deg[(angles_deg.size() - 1) * 95 / 100], count / static_cast<double>(places)};
 }
 
 struct RowName {
@@ -227,10 +228,20 @@ struct RowName {
 };
 
 Json row_of(const RowName& name, const Errors& lv, const Errors& rv, double seconds) {
-  return {{"case", name.patient},     {"field", name.field},  {"atlas_frame", name.frame},
-          {"method", name.method},    {"at", name.at},        {"lv_mean_deg", lv.mean_deg},
-          {"lv_p95_deg", lv.p95_deg}, {"lv_cover", lv.cover}, {"rv_mean_deg", rv.mean_deg},
-          {"rv_p95_deg", rv.p95_deg}, {"rv_cover", rv.cover}, {"seconds", seconds}};
+  return {{"case", name.patient},
+          {"field", name.field},
+          {"atlas_frame", name.frame},
+          {"method", name.method},
+          {"at", name.at},
+          {"lv_places", lv.places},
+          {"rv_places", rv.places},
+          {"lv_mean_deg", lv.mean_deg},
+          {"lv_p95_deg", lv.p95_deg},
+          {"lv_cover", lv.cover},
+          {"rv_mean_deg", rv.mean_deg},
+          {"rv_p95_deg", rv.p95_deg},
+          {"rv_cover", rv.cover},
+          {"seconds", seconds}};
 }
 
 void print_row(const Json& r) {
@@ -310,8 +321,8 @@ void add_rows(const Patient& patient, HelixField field, const fibers::Hearts& he
   std::vector<Vec3> axes;
   axes.reserve(mesh.nodes_mm.size());
   for (const auto& tensor : at_nodes.axes) axes.push_back(atlas::leading_axis(tensor));
-  row("nodes", known_at_nodes(patient, field, mesh), at_sources(known_at_nodes(patient, field, mesh), axes),
-      at_nodes.seconds);
+  const auto known_nodes = known_at_nodes(patient, field, mesh);
+  row("nodes", known_nodes, at_sources(known_nodes, axes), at_nodes.seconds);
   for (Vec3& axis : axes)
     if (norm(axis) < 0.5) axis = {1, 0, 0};  // counted in "nodes" as not covered
   const auto nodes = fibers::node_frames(axes, std::vector<Vec3>(axes.size(), {0, 0, 1}));
@@ -321,13 +332,15 @@ void add_rows(const Patient& patient, HelixField field, const fibers::Hearts& he
   row("cells", known_cells, at_sources(known_cells, cells.fiber), at_nodes.seconds);
 }
 
-/// The walls of the exact labels, meshed as a build would.
-TetMesh mesh_of(const Patient& patient, double edge_mm) {
+/// The walls of the exact labels, meshed as a build would; says how many cells they have.
+TetMesh mesh_of(const Patient& patient, double edge_mm, bool say) {
   if (edge_mm <= 0) return {};
   MeshSettings settings;
   settings.meshes = {"myocardium"};
   settings.heart_edge_mm = edge_mm;
-  return mesh::mesh_heart(patient.labels, settings).at("myocardium");
+  auto mesh = mesh::mesh_heart(patient.labels, settings).at("myocardium");
+  if (say) fmt::print("{}: {} nodes, {} cells\n", patient.name, mesh.nodes_mm.size(), mesh.cells.size());
+  return mesh;
 }
 
 void check_command(const FiberAccuracyCommand& command) {
@@ -358,7 +371,7 @@ int fiber_accuracy_command(const FiberAccuracyCommand& command) {
       const auto atlas = atlas_image(command.atlas, frame, settings.depth_grid_mm, fields[f]);
       for (const auto& name : command.cases) {
         const Patient patient = make_patient(name, command.spacing_mm);
-        const TetMesh mesh = mesh_of(patient, command.mesh_edge_mm);
+        const TetMesh mesh = mesh_of(patient, command.mesh_edge_mm, !command.json);
         const double start_s = now_s();
         const auto hearts = fibers::prepare_hearts(patient.labels, patient.landmarks, atlas, command.atlas, settings);
         const double prepared_s = now_s() - start_s;

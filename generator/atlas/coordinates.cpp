@@ -10,6 +10,7 @@
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/corners.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -189,8 +190,7 @@ std::vector<std::int64_t> unknown_around(const Mask& known, const std::vector<st
       if (g.contains(i + s[0], j + s[1], k + s[2]) && !known(i + s[0], j + s[1], k + s[2]))
         result.push_back(g.offset(i + s[0], j + s[1], k + s[2]));
   }
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

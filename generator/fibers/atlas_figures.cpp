@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "model/mesh_edges.hpp"
+
 namespace heart::fibers {
 namespace {
 
@@ -91,23 +93,10 @@ double p99(std::vector<double> values) {
   return *at;
 }
 
-using Edge = std::pair<std::size_t, std::size_t>;
-
-std::vector<Edge> edges_of(const std::vector<Cell>& cells) {
-  std::vector<Edge> edges;
-  edges.reserve(6 * cells.size());
-  for (const Cell& cell : cells)
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = a + 1; b < 4; ++b)
-        edges.push_back(std::minmax(static_cast<std::size_t>(cell[a]), static_cast<std::size_t>(cell[b])));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  return edges;
-}
-
 double turn_p99(const atlas::FiberAtlas& atlas) {
   std::vector<double> turns;
-  for (const auto& [a, b] : edges_of(atlas.cells)) {
+  for (const auto& [first, second] : edges_of_cells(atlas.cells, atlas.points_mm.size())) {
+    const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
     const double length = norm(atlas.points_mm[a] - atlas.points_mm[b]);
     if (atlas.fiber[a] == Vec3{} || atlas.fiber[b] == Vec3{} || length <= 0) continue;
     turns.push_back(angle_deg(atlas.fiber[a], atlas.fiber[b]) / length);
@@ -117,7 +106,8 @@ double turn_p99(const atlas::FiberAtlas& atlas) {
 
 double carried_turn_per_wall(const CarriedAxes& c) {
   std::vector<double> turns;
-  for (const auto& [a, b] : edges_of(c.mesh.cells))
+  for (const auto& [first, second] : edges_of_cells(c.mesh.cells, c.mesh.nodes_mm.size())) {
+    const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
     for (const bool left : {true, false}) {
       if (!counts(c, left, a) || !counts(c, left, b)) continue;
       const auto& walls = left ? c.walls.lv : c.walls.rv;
@@ -125,6 +115,7 @@ double carried_turn_per_wall(const CarriedAxes& c) {
       const double thickness = 0.5 * (walls[a].thickness_mm + walls[b].thickness_mm);
       turns.push_back(angle_deg(c.fiber[a], c.fiber[b]) * thickness / length);
     }
+  }
   return p99(std::move(turns));
 }
 

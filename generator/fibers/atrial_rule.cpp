@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "generator/fibers/harmonic.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -25,8 +26,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> edges_of(const TetMesh& mesh,
   for (std::size_t f = 0; f < mesh.faces.size(); ++f)
     if (mesh.surface[f] == surface)
       for (std::size_t k = 0; k < 3; ++k) edges.push_back(std::minmax(mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
   return edges;
 }
 
@@ -75,8 +75,7 @@ std::vector<Opening> openings_of(const Wall& wall, bool left) {
     openings.back().perimeter_mm += norm(wall.at(a) - wall.at(b));
   }
   for (Opening& opening : openings) {
-    std::sort(opening.rows.begin(), opening.rows.end());
-    opening.rows.erase(std::unique(opening.rows.begin(), opening.rows.end()), opening.rows.end());
+    sort_unique(opening.rows);
     opening.middle_mm = middle_of(wall, opening.rows);
   }
   return openings;

@@ -98,17 +98,23 @@ void check_patient_handedness(const LabelVolume& labels, const Landmarks& landma
         "that truly is mirrored (situs inversus) needs an atlas of its own");
 }
 
-/// Share of the left ventricle in the field at a point: 1 in its wall, 0 in the right one's, linear between.
-std::vector<double> left_shares(const atlas::Ventricles& patient, const std::vector<Vec3>& points_mm) {
-  const auto to_lv = atlas::distance_to(atlas::mask_where(patient.parts, [](auto v) { return is(v, Part::lv_wall); }));
-  const auto to_rv = atlas::distance_to(atlas::mask_where(patient.parts, [](auto v) { return is(v, Part::rv_wall); }));
-  std::vector<double> share(points_mm.size());
-  for (std::size_t n = 0; n < share.size(); ++n) {
-    const Vec3 index = index_from_lps(to_lv.grid, points_mm[n]);
-    const double difference = sample_linear(to_rv, index) - sample_linear(to_lv, index);
-    share[n] = std::clamp(0.5 + 0.5 * difference / blend_mm, 0.0, 1.0);
-  }
-  return share;
+Volume<float> left_of_junction(const Volume<std::uint8_t>& parts) {
+  const auto to = [&](Part wall) {
+    return atlas::distance_to(atlas::mask_where(parts, [wall](auto v) { return is(v, wall); }));
+  };
+  Volume<float> result = to(Part::rv_wall);
+  const auto to_lv = to(Part::lv_wall);
+  for (std::size_t v = 0; v < result.voxels.size(); ++v) result.voxels[v] -= to_lv.voxels[v];
+  return result;
+}
+
+/// Share of the left ventricle in the field at a point: 1 in its wall, 0 in the right one's, smooth between, so that
+/// each wall keeps its own directions up to near the other.
+double left_share(const Hearts& hearts, const Vec3& point_mm) {
+  const Volume<float>& left_mm = hearts.left_of_junction_mm;
+  const double difference = sample_linear(left_mm, index_from_lps(left_mm.grid, point_mm));
+  const double share = std::clamp(0.5 + 0.5 * difference / blend_mm, 0.0, 1.0);
+  return share * share * (3 - 2 * share);
 }
 
 /// Adds share × carried dyad to the tensors of the points where this ventricle has a share.
@@ -148,6 +154,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
   hearts.patient = atlas::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm);
   check_patient_handedness(labels, landmarks, hearts.patient.frame);
   hearts.registration = register_atlas(hearts.patient, hearts.atlas.ventricles, settings);
+  hearts.left_of_junction_mm = left_of_junction(hearts.patient.parts);
   hearts.patient_walls.lv = wall_coordinates(hearts.patient, Part::lv_wall);
   hearts.patient_walls.rv = wall_coordinates(hearts.patient, Part::rv_wall);
   hearts.patient_centers_mm = angle_centers(hearts.patient);
@@ -157,11 +164,12 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
 PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
                        const std::vector<std::uint8_t>& wanted) {
   const std::size_t count = points_mm.size();
-  PointWalls walls{left_shares(hearts.patient, points_mm), std::vector<std::uint8_t>(count),
-                   std::vector<WallPoint>(count), std::vector<WallPoint>(count)};
+  PointWalls walls{std::vector<double>(count), std::vector<std::uint8_t>(count), std::vector<WallPoint>(count),
+                   std::vector<WallPoint>(count)};
   parallel::parallel_for(0, static_cast<std::int64_t>(count), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
       if (!wanted[n]) continue;
+      walls.left_share[n] = left_share(hearts, points_mm[n]);
       const auto lv = wall_point(hearts.patient_walls.lv, hearts.patient.frame, points_mm[n]);
       const auto rv = wall_point(hearts.patient_walls.rv, hearts.patient.frame, points_mm[n]);
       if (!lv && !rv) continue;

@@ -25,7 +25,8 @@ struct Hearts {
   Both<AngleSamples> by_place, by_coordinates;
   Both<std::vector<double>> atlas_depth, atlas_thickness_mm;  ///< per sample: where in its wall, and how thick that is
   Both<atlas::WallCoordinates> patient_walls;
-  Both<Vec3> patient_centers_mm;  ///< what angles go around: the long axis, the right cavity
+  Both<Vec3> patient_centers_mm;      ///< what angles go around: the long axis, the right cavity
+  Volume<float> left_of_junction_mm;  ///< distance to the right wall less that to the left one, in the patient
 };
 
 /// `labels`: tags of labels.hpp. Throws UserError where a ventricle is missing, where the atlas has no fibres in one,

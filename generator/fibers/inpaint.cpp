@@ -4,6 +4,8 @@
 
 #include "generator/fibers/inpaint_kernels.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/mesh_edges.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -44,24 +46,24 @@ std::vector<std::size_t> fill_in_layers(const NeighborGraph& graph, std::vector<
 }  // namespace
 
 NeighborGraph edge_graph(const TetMesh& mesh, const std::vector<std::uint8_t>& use) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (!use[c]) continue;
-    for (const auto a : mesh.cells[c])
-      for (const auto b : mesh.cells[c])
-        if (a != b) edges.emplace_back(a, b);
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  const auto edges = edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use);
   NeighborGraph graph;
   graph.start.assign(mesh.nodes_mm.size() + 1, 0);
-  for (const auto& [a, b] : edges) {
-    ++graph.start[static_cast<std::size_t>(a) + 1];
-    graph.neighbor.push_back(b);
-    const double length = norm(mesh.nodes_mm[static_cast<std::size_t>(a)] - mesh.nodes_mm[static_cast<std::size_t>(b)]);
-    graph.distance_mm.push_back(static_cast<float>(std::max(length, 1e-6)));
-  }
+  for (const auto& [a, b] : edges)
+    for (const auto n : {a, b}) ++graph.start[static_cast<std::size_t>(n) + 1];
   for (std::size_t n = 1; n < graph.start.size(); ++n) graph.start[n] += graph.start[n - 1];
+  graph.neighbor.resize(2 * edges.size());
+  graph.distance_mm.resize(2 * edges.size());
+  // Edges ascend, so a node's smaller neighbours come before its larger ones, and both ascend.
+  auto next = graph.start;
+  for (const auto& [a, b] : edges) {
+    const double length = norm(mesh.nodes_mm[static_cast<std::size_t>(a)] - mesh.nodes_mm[static_cast<std::size_t>(b)]);
+    for (const auto& [from, to] : {NodePair{a, b}, NodePair{b, a}}) {
+      const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(from)]++);
+      graph.neighbor[at] = to;
+      graph.distance_mm[at] = static_cast<float>(std::max(length, 1e-6));
+    }
+  }
   return graph;
 }
 
@@ -74,8 +76,7 @@ std::int64_t inpaint_axes(const NeighborGraph& graph, int iterations, std::vecto
   for (const auto e : filled)
     for (auto n = graph.start[e]; n < graph.start[e + 1]; ++n)
       active.push_back(static_cast<std::size_t>(graph.neighbor[static_cast<std::size_t>(n)]));
-  std::sort(active.begin(), active.end());
-  active.erase(std::unique(active.begin(), active.end()), active.end());
+  sort_unique(active);
   const auto is_known = [&](std::size_t e) { return !unknown[e]; };
   std::vector<double> slope(axes.size());
   std::vector<AxisTensor> next(filled.size());

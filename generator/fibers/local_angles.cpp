@@ -11,8 +11,8 @@ namespace heart::fibers {
 namespace {
 
 using atlas::AxisTensor;
-constexpr double position_scale_mm = 5, depth_scale = 0.04, height_scale = 0.05, angle_scale = 0.15;
-constexpr std::size_t neighbors = 24;
+constexpr double position_scale_mm = 2.5, depth_scale = 0.06, height_scale = 0.05, angle_scale = 0.15;
+constexpr std::size_t neighbors = 48;
 constexpr double doubtful_off_wall = 0.03;  // squared sine of 10 degrees
 
 struct FeatureCloud {

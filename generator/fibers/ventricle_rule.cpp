@@ -9,6 +9,7 @@
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/fibers/harmonic.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -71,8 +72,7 @@ Rows rows_of_cut(const Wall& wall, const atlas::HeartFrame& frame) {
     if (depth_below_base_mm(frame, (a + b + c) / 3) < highest + near_mm)
       rows.insert(rows.end(), corner.begin(), corner.end());
   }
-  std::sort(rows.begin(), rows.end());
-  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  sort_unique(rows);
   return rows;
 }
 

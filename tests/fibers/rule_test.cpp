@@ -123,6 +123,16 @@ TEST(MeshLaplace, OnASphericalShellTheSolutionIsOneOverTheRadius) {
     const double r = norm(mesh.nodes_mm[static_cast<std::size_t>(matrix.nodes[n])]);
     ASSERT_NEAR(solution[n], (1 / r - 1.0 / 30) / (1.0 / 20 - 1.0 / 30), 0.01);
   }
+  for (std::size_t n = 0; n < solution.size(); ++n) {  // and it solves the equations
+    if (!std::isnan(fixed[n])) continue;
+    double sum = 0, diagonal = 0;
+    for (auto e = matrix.start[n]; e < matrix.start[n + 1]; ++e) {
+      const auto column = static_cast<std::size_t>(matrix.column[e]);
+      sum += matrix.value[e] * solution[column];
+      if (column == n) diagonal = matrix.value[e];
+    }
+    ASSERT_LT(std::abs(sum) / diagonal, 1e-5);
+  }
 }
 
 TEST(VentricleRule, HelixOnASphericalShellFollowsTheClosedForm) {

@@ -68,6 +68,15 @@ constexpr Stage stages[] = {
      }},
 };
 
+/// How many times the memory of one rank all ranks together have: a stage that waits for memory gains no more.
+double bandwidth_gain(const Comm& comm) {
+  const auto together = static_cast<double>(parallel::sum_int64(comm, static_cast<std::int64_t>(triad_bandwidth())));
+  double one = 0;
+  if (comm.is_root()) one = triad_bandwidth();
+  parallel::broadcast(comm, one);
+  return together / one;
+}
+
 }  // namespace
 
 Table bench_ranks(const Settings& settings, const Comm& comm) {
@@ -88,6 +97,8 @@ Table bench_ranks(const Settings& settings, const Comm& comm) {
     table.push_back({"ranks", fmt::format("{}, {} ranks against one", stage.name, comm.size), one / together, "times",
                      fmt::format("{:.2f} s and {:.2f} s; 1.9 at 2 ranks is the goal", together, one)});
   }
+  table.push_back({"ranks", fmt::format("memory bandwidth (triad), {} ranks against one", comm.size),
+                   bandwidth_gain(comm), "times", "of the machine: what waits for memory gains no more"});
   return table;
 }
 

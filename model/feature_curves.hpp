@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "model/mesh_edges.hpp"
 #include "model/tet_mesh.hpp"
 
 namespace heart {
-
-using NodePair = std::array<std::int32_t, 2>;  ///< ascending
 
 struct FeatureCurve {
   std::vector<std::int32_t> surfaces;  ///< tags of those that meet, ascending, two at least

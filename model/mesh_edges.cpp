@@ -34,7 +34,7 @@ std::vector<NodePair> edges_of_cells(const std::vector<Cell>& cells, std::size_t
     ends.assign(larger.begin() + static_cast<std::ptrdiff_t>(start[n]),
                 larger.begin() + static_cast<std::ptrdiff_t>(start[n + 1]));
     sort_unique(ends);
-    for (const auto b : ends) edges.emplace_back(static_cast<std::int32_t>(n), b);
+    for (const auto b : ends) edges.push_back({static_cast<std::int32_t>(n), b});
   }
   return edges;
 }

@@ -1,14 +1,14 @@
 // Edges of tetrahedra.
 #pragma once
+#include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "model/tet_mesh.hpp"
 
 namespace heart {
 
-using NodePair = std::pair<std::int32_t, std::int32_t>;
+using NodePair = std::array<std::int32_t, 2>;  ///< ascending
 
 /// The edges of the cells with use[c] != 0 (of all where `use` is empty), smaller node first, ascending, each once.
 /// Nodes are numbered from 0 to node_count - 1.

@@ -145,10 +145,11 @@ std::size_t muscle_begins(const std::vector<Station>& stations) {
   return best;
 }
 
+constexpr std::size_t window = 3;  // stations on either side of a rise
+
 /// The number of stations before the sharpest rise of the wall's grey value between 6 mm downstream and 6 mm upstream;
 /// 0 where it nowhere rises by 4 HU.
 std::size_t wall_brightens(const std::vector<Station>& stations) {
-  constexpr std::size_t window = 3;
   constexpr double least_rise_hu = 4;
   std::size_t best = 0;
   double sharpest = least_rise_hu * window;
@@ -162,6 +163,36 @@ std::size_t wall_brightens(const std::vector<Station>& stations) {
   return best;
 }
 
+/// Where, in stations, the wall's grey value crosses half-way up its rise before station `cut`: from the darkest
+/// station of the vessel (farther on, blood and neighbours show through its thin wall) to the mean of the ventricle's,
+/// less the first, which sees both walls. Half-way between the two stations where there is no crossing.
+double half_risen(const std::vector<Station>& stations, std::size_t cut) {
+  double vessel = stations[cut - 1].muscle, muscle = 0;
+  for (std::size_t n = 1; n < window; ++n) {
+    vessel = std::min(vessel, stations[cut - 1 - n].muscle);
+    muscle += stations[cut + n].muscle / (window - 1);
+  }
+  const double level = 0.5 * (vessel + muscle);
+  for (const std::size_t end : {cut, cut + 1, cut - 1}) {
+    const double before = stations[end - 1].muscle, after = stations[end].muscle;
+    if (before <= level && after > level) return static_cast<double>(end) - 1 + (level - before) / (after - before);
+  }
+  return static_cast<double>(cut) - 0.5;
+}
+
+/// The valve of a faint right heart: its blood has no sure shape that would tell more than its wall does. The walk's
+/// direction is made of where it came from; the station after the valve knows the direction at the valve.
+ValvePatch valve_where_wall_brightens(const std::vector<Station>& stations, std::size_t cut, ValvePatch valve) {
+  const double at = half_risen(stations, cut);
+  const auto before = std::min(static_cast<std::size_t>(at), stations.size() - window);
+  const double t = at - static_cast<double>(before);
+  const Station &vessel = stations[before], &ventricle = stations[before + 1];
+  valve.centre_mm = (1 - t) * vessel.section.centre_mm + t * ventricle.section.centre_mm;
+  valve.normal = normalized((1 - t) * ventricle.normal + t * stations[before + 2].normal);
+  valve.diameter_mm = vessel.section.diameter_mm();
+  return valve;
+}
+
 }  // namespace
 
 ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage& image,
@@ -170,14 +201,8 @@ ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage&
   const auto stations = first_long_walk(scenery, start);
   const std::size_t first_muscle = faint ? wall_brightens(stations) : muscle_begins(stations);
   if (first_muscle == 0) return start;
+  if (faint) return valve_where_wall_brightens(stations, first_muscle, start);
   ValvePatch valve = start;
-  if (faint) {  // its blood has no sure shape that would tell more
-    const Station &vessel = stations[first_muscle - 1], &ventricle = stations[first_muscle];
-    valve.centre_mm = 0.5 * (vessel.section.centre_mm + ventricle.section.centre_mm);
-    valve.normal = normalized(vessel.normal + ventricle.normal);
-    valve.diameter_mm = vessel.section.diameter_mm();
-    return valve;
-  }
   const Station& station = stations[first_muscle];
   valve.centre_mm = station.section.centre_mm;
   valve.normal = station.normal;

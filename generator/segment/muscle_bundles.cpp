@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/gaussian.hpp"
@@ -11,12 +12,15 @@
 namespace heart::segment {
 namespace {
 
-constexpr double least_nats = 15;  // some ten thousand places, directions and sizes are tried: chance reaches ten
+constexpr double usual_chance_nats = 10;  // of mere noise: some ten thousand places, directions and sizes are tried
+constexpr double beyond_chance = 1.3;     // times that: one in twenty images of noise
 constexpr double most_of_muscle = 3;
+constexpr double most_evidence = 1;                    // nats per mm³ of a grey value (grey_evidence)
 constexpr double across_mm = 1.5, half_length_mm = 6;  // of the lines that give the first guess
 constexpr double first_radius_mm = 2.5;
 constexpr double thinnest_mm = 1.5, thickest_mm = 5, longest_mm = 40;  // radius, radius, distance of the ends
 constexpr std::size_t most_guesses = 60;
+constexpr double blur_mm = 0.8;  // standard deviation: the scanner's, and that of the working grid
 
 double distance_mm(const MuscleBundle& bundle, const Vec3& p) {
   const Vec3 axis = bundle.to_mm - bundle.from_mm, from = p - bundle.from_mm;
@@ -47,21 +51,33 @@ void for_each_within(const Grid& grid, const MuscleBundle& bundle, double margin
       }
 }
 
-/// Share of a voxel that lies inside, of its distance to the surface.
-double share(double distance_mm, double spacing_mm) { return std::clamp(0.5 - distance_mm / spacing_mm, 0.0, 1.0); }
+/// Share of muscle that is seen at a distance from the surface of a blurred rod; its half lies inside the rod, by half
+/// the square of the blur times the curvature.
+double share(double distance_mm, double radius_mm) {
+  const double shift_mm = 0.5 * blur_mm * blur_mm / radius_mm;
+  return 0.5 * std::erfc((distance_mm + shift_mm) / (std::numbers::sqrt2 * blur_mm));
+}
+
+/// What speaks for muscle: nats per mm³ of every voxel, and of muscle's mean grey value.
+struct Evidence {
+  Volume<float> nats;
+  double muscle = 0;
+};
 
 struct Weight {
   double nats = 0, volume_mm3 = 0;
 };
 
-Weight weigh(const Volume<float>& evidence, const MuscleBundle& bundle) {
-  const double spacing = evidence.grid.spacing_mm.x, voxel = evidence.grid.voxel_volume_mm3();
+/// By how much the bundle is more likely than none. Where a share s of muscle is seen, the mean grey value is s of the
+/// way from blood to muscle, which makes the log-likelihood s times the voxel's nats, and s (1 - s) times muscle's.
+Weight weigh(const Evidence& evidence, const MuscleBundle& bundle) {
+  const double voxel = evidence.nats.grid.voxel_volume_mm3();
   Weight sum;
-  for_each_within(evidence.grid, bundle, spacing / 2, [&](std::size_t v, double distance) {
-    if (evidence.voxels[v] == 0) return;
-    const double part = voxel * share(distance, spacing);
-    sum.nats += part * static_cast<double>(evidence.voxels[v]);
-    sum.volume_mm3 += part;
+  for_each_within(evidence.nats.grid, bundle, 2 * blur_mm, [&](std::size_t v, double distance) {
+    if (evidence.nats.voxels[v] == 0) return;
+    const double part = share(distance, bundle.radius_mm);
+    sum.nats += voxel * part * (static_cast<double>(evidence.nats.voxels[v]) + (1 - part) * evidence.muscle);
+    sum.volume_mm3 += voxel * part;
   });
   return sum;
 }
@@ -173,7 +189,7 @@ bool allowed(const MuscleBundle& bundle) {
 }
 
 /// The best bundle that changes lead to; large ones first, which noise along the way does not stop.
-MuscleBundle refine(const Volume<float>& evidence, MuscleBundle bundle) {
+MuscleBundle refine(const Evidence& evidence, MuscleBundle bundle) {
   constexpr int most_changes = 12;
   bundle.nats = weigh(evidence, bundle).nats;
   for (const double step_mm : {8.0, 4.0, 2.0, 1.0, 0.5})
@@ -190,18 +206,18 @@ MuscleBundle refine(const Volume<float>& evidence, MuscleBundle bundle) {
   return bundle;
 }
 
-void clear(const MuscleBundle& bundle, Volume<float>& evidence) {
-  const double spacing = evidence.grid.spacing_mm.x;
-  for_each_within(evidence.grid, bundle, spacing / 2, [&](std::size_t v, double distance) {
-    evidence.voxels[v] *= static_cast<float>(1 - share(distance, spacing));
+/// What a bundle is seen in says nothing for another one.
+void clear(const MuscleBundle& bundle, Volume<float>& nats) {
+  constexpr double unseen = 0.05;
+  for_each_within(nats.grid, bundle, 2 * blur_mm, [&](std::size_t v, double distance) {
+    if (share(distance, bundle.radius_mm) > unseen) nats.voxels[v] = 0;
   });
 }
 
-}  // namespace
-
-std::vector<MuscleBundle> find_muscle_bundles(const Volume<float>& evidence, double muscle_evidence) {
-  Volume<float> left = evidence;
-  std::vector<MuscleBundle> guesses = first_guesses(left), found;
+/// Those of at least `least` nats, the surest first; what is far more than muscle is none.
+std::vector<MuscleBundle> surest(const Evidence& evidence, double least) {
+  Evidence left = evidence;
+  std::vector<MuscleBundle> guesses = first_guesses(evidence.nats), found;
   parallel::parallel_for(0, static_cast<std::int64_t>(guesses.size()), [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t n = begin; n < end; ++n) {
       auto& guess = guesses[static_cast<std::size_t>(n)];
@@ -215,13 +231,29 @@ std::vector<MuscleBundle> find_muscle_bundles(const Volume<float>& evidence, dou
     const Weight weight = weigh(left, bundle);
     const bool taken = weight.nats < 0.99 * bundle.nats;  // a surer one has taken part of it: what remains?
     if (taken) *best = refine(left, bundle);
-    if (taken && best->nats >= least_nats && best->nats < bundle.nats) continue;
+    if (taken && best->nats >= least && best->nats < bundle.nats) continue;
     guesses.erase(best);
-    if (taken || bundle.nats < least_nats) continue;
-    if (weight.nats <= most_of_muscle * muscle_evidence * weight.volume_mm3) found.push_back(bundle);
-    clear(bundle, left);
+    if (taken || bundle.nats < least) continue;
+    if (weight.nats <= most_of_muscle * evidence.muscle * weight.volume_mm3) found.push_back(bundle);
+    clear(bundle, left.nats);
   }
   return found;
+}
+
+/// The image mirrored at blood's grey value: noise of the same grain, and no muscle.
+Evidence mirrored(Evidence evidence) {
+  const auto twice = static_cast<float>(2 * evidence.muscle);
+  for (float& nats : evidence.nats.voxels)
+    if (nats != 0) nats = -twice - nats;
+  return evidence;
+}
+
+}  // namespace
+
+std::vector<MuscleBundle> find_muscle_bundles(const Volume<float>& evidence, double muscle_evidence) {
+  const Evidence seen{evidence, std::min(muscle_evidence, most_evidence)};
+  const auto chance = surest(mirrored(seen), usual_chance_nats);
+  return surest(seen, beyond_chance * (chance.empty() ? usual_chance_nats : chance.front().nats));
 }
 
 void carve_bundles(const std::vector<MuscleBundle>& bundles, const Mask& where, Volume<float>& blood) {

@@ -12,6 +12,7 @@
 #include "generator/landmarks/statistics.hpp"
 #include "generator/landmarks/usual_tricuspid.hpp"
 #include "generator/landmarks/working_image.hpp"
+#include "support/noise.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -54,8 +55,7 @@ Scan scan(const Bag& bag, unsigned seed) {
   result.right.near = Mask(grid, 1);
   std::mt19937 bits(seed);
   for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
-    double noise = -6;  // sum of twelve uniform numbers: variance 1, the same on every machine
-    for (int n = 0; n < 12; ++n) noise += static_cast<double>(bits()) / 4294967296.0;
+    const double noise = testing::noise(bits);
     result.hu.voxels[v] = static_cast<float>(hu_at(bag, p) + bag.noise_hu * noise);
     walls.from_outside.voxels[v] = static_cast<float>(std::max(bag_mm - norm(p), 0.0));
   });

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "model/labels.hpp"
+#include "support/noise.hpp"
 
 namespace heart::segment {
 namespace {
@@ -40,8 +41,7 @@ Scene make_scene() {
   for (std::int64_t k = 0; k < 60; ++k)
     for (std::int64_t j = 0; j < 60; ++j)
       for (std::int64_t i = 0; i < 40; ++i) {
-        double noise = -6;  // twelve uniform numbers: the same on every platform
-        for (int n = 0; n < 12; ++n) noise += static_cast<double>(random()) / 4294967296.0;
+        const double noise = testing::noise(random);
         const double off = static_cast<double>(i) - 19.5 - off_mm;
         const bool wall = std::abs(off) < wall_mm / 2 && to_orifice_mm(j, k) > 0;
         scene.nearest(i, j, k) = tag(i < 20 ? Region::ra_blood : Region::rv_blood);

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "support/noise.hpp"
+
 namespace heart::segment {
 namespace {
 
@@ -28,8 +30,7 @@ struct Plate {
     for (std::int64_t k = 0; k < 60; ++k)
       for (std::int64_t j = 0; j < 60; ++j)
         for (std::int64_t i = 0; i < 26; ++i) {
-          double noise = -6;  // twelve uniform numbers: the same on every platform
-          for (int n = 0; n < 12; ++n) noise += static_cast<double>(random()) / 4294967296.0;
+          const double noise = testing::noise(random);
           const double from = std::max(static_cast<double>(i) - 6, 0.0);
           const double blood =
               std::clamp(from - thickness_mm(static_cast<double>(j), static_cast<double>(k)) + 0.5, 0.0, 1.0);
@@ -95,8 +96,7 @@ TEST(LocalMiddle, FollowsAWallBetweenTwoPools) {
   for (std::int64_t k = 0; k < 60; ++k)
     for (std::int64_t j = 0; j < 60; ++j)
       for (std::int64_t i = 0; i < 36; ++i) {
-        double noise = -6;  // twelve uniform numbers: the same on every platform
-        for (int n = 0; n < 12; ++n) noise += static_cast<double>(random()) / 4294967296.0;
+        const double noise = testing::noise(random);
         const double off = static_cast<double>(i) - 18, from = off - middle(static_cast<double>(j), 0);
         const double blood = std::clamp(std::abs(from) - wall_mm / 2 + 0.5, 0.0, 1.0);
         off_mm(i, j, k) = static_cast<float>(off);

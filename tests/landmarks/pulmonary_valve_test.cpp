@@ -1,0 +1,77 @@
+// The pulmonary valve of a faint right heart: where the ventricle's muscular wall ends and the artery's thin one
+// begins.
+#include "generator/landmarks/pulmonary_valve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "generator/landmarks/working_image.hpp"
+#include "generator/segment/gaussian.hpp"
+#include "model/labels.hpp"
+#include "support/noise.hpp"
+
+namespace heart::landmarks {
+namespace {
+
+constexpr double muscle_hu = 110, blood_hu = 118, vessel_hu = 60, fat_hu = -95;
+constexpr double radius_mm = 12, muscle_mm = 3.6, vessel_mm = 1.8;
+
+const Vec3 axis = normalized({0.35, 0.2, 1});
+
+double radial_mm(const Vec3& p) { return norm(p - dot(p, axis) * axis); }
+
+/// A straight tube in fat, the artery downstream of the valve.
+double hu_at(const Vec3& p, double valve_mm) {
+  const double outside_mm = radial_mm(p) - radius_mm;
+  if (outside_mm < 0) return blood_hu;
+  if (dot(p, axis) < valve_mm) return outside_mm < muscle_mm ? muscle_hu : fat_hu;
+  return outside_mm < vessel_mm ? vessel_hu : fat_hu;
+}
+
+struct Scene {
+  WorkingImage image;
+  LabelVolume chambers;
+  FaintRightHeart right;
+};
+
+/// Of the middle of 27 points a voxel, and noise; the pools are parted in the middle.
+Scene make_scene(double valve_mm, double noise_hu) {
+  Grid grid;
+  grid.size = {32, 32, 48};
+  grid.spacing_mm = {working_spacing_mm, working_spacing_mm, working_spacing_mm};
+  grid.origin_mm = {-23.25, -23.25, -35.25};
+  Scene scene{{Volume<float>(grid), {}}, LabelVolume(grid), {}};
+  std::mt19937 bits(7);
+  for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
+    double sum = 0;
+    const double noise = testing::noise(bits);
+    for (int part = 0; part < 27; ++part)
+      sum += hu_at({p.x + 0.5 * (part % 3 - 1), p.y + 0.5 * (part / 3 % 3 - 1), p.z + 0.5 * (part / 9 - 1)}, valve_mm);
+    scene.image.hu.voxels[v] = static_cast<float>(sum / 27 + noise_hu * noise);
+    if (radial_mm(p) < radius_mm)
+      scene.chambers.voxels[v] = tag(dot(p, axis) < 0 ? Region::rv_blood : Region::pulmonary_artery);
+  });
+  scene.image.smooth = segment::gaussian(scene.image.hu, 1);
+  const Mask none(grid);
+  scene.right = {
+      {muscle_hu, blood_hu, 1}, segment::measure_walls(scene.image.hu, none, none, muscle_hu), Mask(grid, 1)};
+  return scene;
+}
+
+class PulmonaryValve : public ::testing::TestWithParam<double> {};
+
+TEST_P(PulmonaryValve, OfAFaintHeartIsWhereTheWallChangesBetweenSections) {
+  const Scene scene = make_scene(GetParam(), 12);
+  ValvePatch parted;
+  parted.normal = axis;
+  const auto valve = find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted);
+  EXPECT_NEAR(dot(valve.centre_mm, axis), GetParam(), 0.6);  // sections are 2 mm apart
+  EXPECT_GT(dot(valve.normal, axis), std::cos(0.08));
+}
+
+INSTANTIATE_TEST_SUITE_P(AtManyHeights, PulmonaryValve, ::testing::Values(-9.0, -8.5, -8.0, -7.5, -4.3, 3.1));
+
+}  // namespace
+}  // namespace heart::landmarks

@@ -1,7 +1,11 @@
 #include "generator/lattice/background.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <utility>
+
+#include "generator/parallel/threads.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -31,43 +35,77 @@ Square square_of(const Leaf& leaf, std::size_t axis, bool upper) {
   return square;
 }
 
+constexpr std::int64_t no_slot = std::numeric_limits<std::int64_t>::max();
+
+/// Makes the cells of some leaves.
 struct Builder {
   const Octree* tree;
+  const NearLeaves* near;  // null: everything is
+  const std::function<int(const Vec3&)>* label_at;
   Background result;
   std::vector<std::int32_t> corner_node;  // per corner of the finest cells, -1: none
-  std::vector<bool> is_corner;            // of any leaf
   std::vector<std::int32_t> center_node;  // per leaf, at the offset of its first finest cell
+  std::vector<std::int64_t> slot;         // per node: offset in corner_node, -1 - offset in center_node, or `no_slot`
 
-  std::size_t corner_offset(const Place& at) const {
-    const auto nx = static_cast<std::size_t>(tree->size[0]) + 1, ny = static_cast<std::size_t>(tree->size[1]) + 1;
-    return (static_cast<std::size_t>(at[2]) * ny + static_cast<std::size_t>(at[1])) * nx +
-           static_cast<std::size_t>(at[0]);
-  }
-  std::int32_t add_node(const std::array<double, 3>& at, double width) {
+  bool is_near(const Place& finest_cell) const { return near == nullptr || near->contains(*tree, finest_cell); }
+
+  std::int32_t add_node(const std::array<double, 3>& at, double width, std::int64_t in_slot) {
     LabelBits sides = 0;
-    Vec3 position = tree->origin_mm;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const int a = static_cast<int>(axis);
-      position[a] += at[axis] * tree->step_mm[a];
       if (at[axis] == 0) sides |= bit_of(first_side + 2 * a);
       if (at[axis] == tree->size[axis]) sides |= bit_of(first_side + 2 * a + 1);
     }
-    result.nodes_mm.push_back(position);
+    result.nodes_mm.push_back(tree->position_mm(at));
     result.sides.push_back(sides);
+    slot.push_back(in_slot);
     result.spacing_mm.push_back(static_cast<float>(width * tree->step_mm.x));
     return static_cast<std::int32_t>(result.nodes_mm.size()) - 1;
   }
+  void describe(std::uint8_t label, bool lacks_cells) {
+    result.label.push_back(label);
+    result.lacks_cells.push_back(lacks_cells ? 1 : 0);
+  }
   std::int32_t corner(const Place& at, std::int32_t width) {
-    auto& node = corner_node[corner_offset(at)];
-    if (node < 0)
-      node = add_node({static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])}, width);
+    auto& node = corner_node[tree->corner_offset(at)];
+    if (node < 0) {
+      node = add_node({static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])}, width,
+                      static_cast<std::int64_t>(tree->corner_offset(at)));
+      if (near != nullptr) describe(near->corner_label[tree->corner_offset(at)], touches_far_leaf(at));
+    }
     auto& spacing = result.spacing_mm[static_cast<std::size_t>(node)];
     spacing = std::min(spacing, static_cast<float>(width * tree->step_mm.x));
     return node;
   }
+  bool touches_far_leaf(const Place& corner) const {
+    for (std::int32_t cell = 0; cell < 8; ++cell) {
+      const Place beside{corner[0] - (cell & 1), corner[1] - ((cell >> 1) & 1), corner[2] - (cell >> 2)};
+      if (tree->contains(beside) && !is_near(beside)) return true;
+    }
+    return false;
+  }
   std::int32_t center(const Place& low, std::int32_t width) {
     auto& node = center_node[tree->offset(low)];
-    if (node < 0) node = add_node({low[0] + 0.5 * width, low[1] + 0.5 * width, low[2] + 0.5 * width}, width);
+    if (node >= 0) return node;
+    node = add_node({low[0] + 0.5 * width, low[1] + 0.5 * width, low[2] + 0.5 * width}, width,
+                    -1 - static_cast<std::int64_t>(tree->offset(low)));
+    if (near != nullptr) describe(near->center_label[tree->offset(low)], is_beside_far_leaf(low, width));
+    return node;
+  }
+  // Only with leaves of the same size does a centre share cells.
+  bool is_beside_far_leaf(const Place& low, std::int32_t width) const {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const std::int32_t step : {-1, width}) {
+        Place beside = low;
+        beside[axis] += step;
+        if (!tree->contains(beside) || is_near(beside)) continue;
+        if (1 << tree->level[tree->offset(beside)] == width) return true;
+      }
+    return false;
+  }
+  std::int32_t middle_of_side(const std::array<double, 3>& at, double width) {
+    const auto node = add_node(at, width, no_slot);
+    if (near != nullptr) describe(static_cast<std::uint8_t>((*label_at)(result.nodes_mm.back())), false);
     return node;
   }
   void add_cell(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
@@ -79,15 +117,6 @@ struct Builder {
   }
 };
 
-void mark_corners(Builder& builder) {
-  for (const auto& leaf : builder.tree->leaves) {
-    const std::int32_t width = 1 << leaf.level;
-    for (std::int32_t c = 0; c < 8; ++c)
-      builder.is_corner[builder.corner_offset({leaf.low[0] + (c & 1) * width, leaf.low[1] + ((c >> 1) & 1) * width,
-                                               leaf.low[2] + (c >> 2) * width})] = true;
-  }
-}
-
 // Cells on the two nodes `first` and `second` and the edges of a square; an edge that a finer leaf divides gives two.
 void add_around_square(Builder& b, const Square& square, std::int32_t first, std::int32_t second, std::int32_t width) {
   for (std::size_t i = 0; i < 4; ++i) {
@@ -95,7 +124,7 @@ void add_around_square(Builder& b, const Square& square, std::int32_t first, std
     const Place& to = square.corners[(i + 1) % 4];
     const auto start = b.corner(from, width), end = b.corner(to, width);
     const Place middle = between(from, to);
-    if (width > 1 && b.is_corner[b.corner_offset(middle)]) {
+    if (width > 1 && is_leaf_corner(*b.tree, middle)) {
       const auto half = b.corner(middle, width / 2);
       b.add_cell(first, second, start, half);
       b.add_cell(first, second, half, end);
@@ -132,33 +161,76 @@ void add_leaf(Builder& b, const Leaf& leaf) {
       if (other == leaf.level) {
         Place low = leaf.low;
         low[axis] += width;
-        if (upper) add_around_square(b, square, own, b.center(low, width), width);
+        if (upper && b.is_near(low)) add_around_square(b, square, own, b.center(low, width), width);
       } else if (other > leaf.level) {
         add_half_pyramids(b, square, own, width);
       } else if (beyond) {
         std::array<double, 3> middle;
         for (std::size_t a = 0; a < 3; ++a) middle[a] = 0.5 * (square.corners[0][a] + square.corners[2][a]);
-        add_around_square(b, square, own, b.add_node(middle, width), width);
+        add_around_square(b, square, own, b.middle_of_side(middle, width), width);
       } else {
         add_around_square(b, square, own, b.corner(between(square.corners[0], square.corners[2]), width / 2), width);
       }
     }
 }
 
-}  // namespace
+// As if the builder had gone on with the leaves of the other one.
+void join(Builder& builder, Builder other) {
+  auto &to = builder.result, &from = other.result;
+  std::vector<std::int32_t> id(from.nodes_mm.size());
+  for (std::size_t n = 0; n < id.size(); ++n) {
+    const auto slot = other.slot[n];
+    std::int32_t own = -1;
+    auto& known = slot == no_slot ? own
+                  : slot >= 0     ? builder.corner_node[static_cast<std::size_t>(slot)]
+                                  : builder.center_node[static_cast<std::size_t>(-1 - slot)];
+    if (known < 0) {
+      known = static_cast<std::int32_t>(to.nodes_mm.size());
+      to.nodes_mm.push_back(from.nodes_mm[n]);
+      to.spacing_mm.push_back(from.spacing_mm[n]);
+      to.sides.push_back(from.sides[n]);
+      if (!from.label.empty()) builder.describe(from.label[n], from.lacks_cells[n] != 0);
+    }
+    auto& spacing = to.spacing_mm[static_cast<std::size_t>(known)];
+    spacing = std::min(spacing, from.spacing_mm[n]);
+    id[n] = known;
+  }
+  const auto before = to.cells.size();
+  to.cells.resize(before + from.cells.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(from.cells.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
+      for (std::size_t i = 0; i < 4; ++i) to.cells[before + c][i] = id[static_cast<std::size_t>(from.cells[c][i])];
+  });
+}
 
-Background make_background(const Octree& tree) {
-  Builder builder{&tree, {}, {}, {}, std::vector<std::int32_t>(tree.level.size(), -1)};
-  const auto corners = builder.corner_offset({0, 0, tree.size[2] + 1});
-  builder.corner_node.assign(corners, -1);
-  builder.is_corner.assign(corners, false);
-  mark_corners(builder);
+Background build(const Builder& start) {
+  const Octree& tree = *start.tree;
+  std::vector<Leaf> wanted;
+  std::copy_if(tree.leaves.begin(), tree.leaves.end(), std::back_inserter(wanted),
+               [&](const Leaf& leaf) { return start.is_near(leaf.low); });
   // Memory that is asked for but not written costs nothing; growing vectors would hold two copies.
   constexpr std::size_t most_cells_per_leaf = 16, most_nodes_per_leaf = 3;
-  builder.result.cells.reserve(most_cells_per_leaf * tree.leaves.size());
-  builder.result.nodes_mm.reserve(most_nodes_per_leaf * tree.leaves.size());
-  for (const auto& leaf : tree.leaves) add_leaf(builder, leaf);
-  return std::move(builder.result);
+  std::vector<Builder> builders(static_cast<std::size_t>(parallel::thread_count()), start);
+  builders[0].result.cells.reserve(most_cells_per_leaf * wanted.size());
+  builders[0].result.nodes_mm.reserve(most_nodes_per_leaf * wanted.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(wanted.size()),
+                         [&](std::int64_t begin, std::int64_t end, int piece) {
+                           auto& builder = builders[static_cast<std::size_t>(piece)];
+                           builder.center_node.assign(tree.level.size(), -1);
+                           builder.corner_node.assign(tree.corner_offset({0, 0, tree.size[2] + 1}), -1);
+                           for (auto l = begin; l < end; ++l) add_leaf(builder, wanted[static_cast<std::size_t>(l)]);
+                         });
+  for (std::size_t piece = 1; piece < builders.size(); ++piece) join(builders[0], std::move(builders[piece]));
+  return std::move(builders[0].result);
+}
+
+}  // namespace
+
+Background make_background(const Octree& tree) { return build({&tree, nullptr, nullptr, {}, {}, {}, {}}); }
+
+Background make_background(const Octree& tree, const std::function<int(const Vec3&)>& label_at,
+                           const NearLeaves& near) {
+  return build({&tree, &near, &label_at, {}, {}, {}, {}});
 }
 
 }  // namespace heart::lattice

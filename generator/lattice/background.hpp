@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "generator/lattice/materials.hpp"
+#include "generator/lattice/near_leaves.hpp"
 #include "generator/lattice/octree.hpp"
 #include "model/tet_mesh.hpp"
 
@@ -15,8 +16,15 @@ struct Background {
   std::vector<float> spacing_mm;  ///< per node: size of the smallest leaf that it belongs to
   std::vector<LabelBits> sides;   ///< per node: sides of the box on which it lies
   std::vector<Cell> cells;        ///< positively oriented, leaf after leaf
+  // Of a part only, else empty:
+  std::vector<std::uint8_t> label;        ///< per node
+  std::vector<std::uint8_t> lacks_cells;  ///< per node: 1 where it has other cells, which were not made
 };
 
+/// The lattice of the whole box.
 Background make_background(const Octree& tree);
+
+/// The cells of near leaves, but those between one and a leaf that is not near.
+Background make_background(const Octree& tree, const std::function<int(const Vec3&)>& label_at, const NearLeaves& near);
 
 }  // namespace heart::lattice

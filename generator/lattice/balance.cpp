@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/slabs.hpp"
 #include "generator/lattice/surface_faces.hpp"
 #include "generator/parallel/threads.hpp"
 
@@ -100,14 +101,25 @@ std::vector<Vec3> shifts_of(const Complex& c, const std::vector<SurfaceFace>& fa
 
 void balance_surfaces(Complex& c, const Materials& materials, double least_quality) {
   constexpr int rounds = 4;
-  constexpr double least_way = 1e-3;  // of the lattice's width
+  constexpr std::size_t fewest = 2000;  // faces of a slab: fewer are not worth a thread
+  constexpr int most_cells = 2;         // between nodes that share one, although they have moved since
+  constexpr double least_way = 1e-3;    // of the lattice's width
+  constexpr int tries = 3;
   const auto faces = surface_faces(c);
+  const auto slabs = slabs_across(c, most_cells, faces.size() / fewest);
+  std::vector<std::int32_t> moved;
   for (int round = 0; round < rounds; ++round) {
     const auto shift = shifts_of(c, faces, measure(c, materials, faces));
+    moved.clear();
     for (std::size_t n = 0; n < shift.size(); ++n)
       if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) &&
           !c.is_frozen(static_cast<std::int32_t>(n)))
-        shift_node(c, static_cast<std::int32_t>(n), shift[n], 3, least_quality);
+        moved.push_back(static_cast<std::int32_t>(n));
+    for_slabs(
+        slabs, moved.size(), [&](std::size_t i) { return c.at(moved[i]); },
+        [&](std::size_t i) {
+          shift_node(c, moved[i], shift[static_cast<std::size_t>(moved[i])], tries, least_quality);
+        });
   }
 }
 

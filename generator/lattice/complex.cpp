@@ -1,6 +1,7 @@
 #include "generator/lattice/complex.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "generator/lattice/quality.hpp"
 #include "generator/parallel/threads.hpp"
@@ -30,34 +31,64 @@ void erase_from_star(Complex& complex, std::int32_t node, std::int32_t cell) {
   *found = begin[--complex.count[n]];
 }
 
+// Moves a node where no cell around it falls below the bound.
+bool try_position(Complex& c, std::int32_t node, const Vec3& position, double bound) {
+  constexpr std::size_t usual_cells = 64;
+  std::array<float, usual_cells> found;
+  auto& place = c.nodes_mm[static_cast<std::size_t>(node)];
+  const Vec3 old = place;
+  place = position;
+  const auto star = c.star(node);
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const double here = quality(c, c.cell(star[i]));
+    if (here < bound) {
+      place = old;
+      return false;
+    }
+    if (i < usual_cells) found[i] = static_cast<float>(here);
+  }
+  for (std::size_t i = 0; i < std::min(star.size(), usual_cells); ++i)
+    c.quality[static_cast<std::size_t>(star[i])] = found[i];
+  for (std::size_t i = usual_cells; i < star.size(); ++i) update_quality(c, star[i]);
+  return true;
+}
+
 }  // namespace
 
 double quality(const Complex& complex, const Cell& cell) {
   return cell_quality(complex.at(cell[0]), complex.at(cell[1]), complex.at(cell[2]), complex.at(cell[3]));
 }
 
+// Threads share the nodes: each looks at all cells, and keeps what concerns its nodes, in the order of the cells.
+void connect_stars(Complex& c) {
+  const auto nodes = static_cast<std::int64_t>(c.nodes_mm.size());
+  c.first.resize(c.nodes_mm.size());
+  c.capacity.resize(c.nodes_mm.size());
+  c.count.assign(c.nodes_mm.size(), 0);
+  const auto for_own_nodes = [&](const auto& visit) {
+    parallel::parallel_for(0, nodes, [&](std::int64_t begin, std::int64_t end) {
+      for (std::size_t i = 0; i < c.cells.size(); ++i)
+        for (const auto n : c.cells[i])
+          if (n >= begin && n < end) visit(static_cast<std::size_t>(n), static_cast<std::int32_t>(i));
+    });
+  };
+  for_own_nodes([&](std::size_t n, std::int32_t) { ++c.count[n]; });
+  std::int32_t next = 0;
+  for (std::size_t n = 0; n < c.first.size(); ++n) {
+    c.first[n] = next;
+    c.capacity[n] = static_cast<std::uint16_t>(c.count[n] + room);
+    next += c.capacity[n];
+    c.count[n] = 0;
+  }
+  c.free_cells.clear();
+  c.pool.assign(static_cast<std::size_t>(next), -1);
+  for_own_nodes(
+      [&](std::size_t n, std::int32_t cell) { c.pool[static_cast<std::size_t>(c.first[n]) + c.count[n]++] = cell; });
+}
+
 void connect(Complex& complex) {
   auto& c = complex;
-  const std::size_t nodes = c.nodes_mm.size();
-  std::vector<std::int32_t> uses(nodes, 0);
-  for (const auto& cell : c.cells)
-    for (const auto n : cell) ++uses[static_cast<std::size_t>(n)];
-  c.first.resize(nodes);
-  c.capacity.resize(nodes);
-  c.count.assign(nodes, 0);
-  std::int32_t next = 0;
-  for (std::size_t n = 0; n < nodes; ++n) {
-    c.first[n] = next;
-    c.capacity[n] = static_cast<std::uint16_t>(uses[n] + room);
-    next += c.capacity[n];
-  }
-  c.pool.assign(static_cast<std::size_t>(next), -1);
-  for (std::size_t i = 0; i < c.cells.size(); ++i)
-    for (const auto n : c.cells[i]) {
-      const auto at = static_cast<std::size_t>(n);
-      c.pool[static_cast<std::size_t>(c.first[at]) + c.count[at]++] = static_cast<std::int32_t>(i);
-    }
-  c.free_cells.clear();
+  connect_stars(c);
   c.quality.resize(c.cells.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(c.cells.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto i = begin; i < end; ++i) update_quality(complex, static_cast<std::int32_t>(i));
@@ -110,18 +141,14 @@ double worst_quality(const Complex& complex, std::span<const std::int32_t> cells
   return worst;
 }
 
+bool move_node(Complex& c, std::int32_t node, const Vec3& position, double least_quality) {
+  return try_position(c, node, position, std::min(least_quality, worst_quality(c, c.star(node))));
+}
+
 void shift_node(Complex& c, std::int32_t node, Vec3 way_mm, int tries, double least_quality) {
-  auto& position = c.nodes_mm[static_cast<std::size_t>(node)];
-  const Vec3 old = position;
-  const auto star = c.star(node);
-  const double bound = std::min(least_quality, worst_quality(c, star));
-  for (int i = 0; i < tries; ++i, way_mm *= 0.5) {
-    position = old + way_mm;
-    if (std::any_of(star.begin(), star.end(), [&](std::int32_t t) { return quality(c, c.cell(t)) < bound; })) continue;
-    for (const auto t : star) update_quality(c, t);
-    return;
-  }
-  position = old;
+  const Vec3 old = c.at(node);
+  const double bound = std::min(least_quality, worst_quality(c, c.star(node)));
+  for (int i = 0; i < tries && !try_position(c, node, old + way_mm, bound); ++i) way_mm *= 0.5;
 }
 
 void derive_touches(Complex& complex) {
@@ -132,7 +159,7 @@ void derive_touches(Complex& complex) {
   }
 }
 
-void compress(Complex& complex) {
+void drop_unused(Complex& complex) {
   std::vector<std::int32_t> id(complex.nodes_mm.size(), -1);
   std::size_t kept = 0;
   for (std::size_t c = 0; c < complex.cells.size(); ++c) {
@@ -156,8 +183,14 @@ void compress(Complex& complex) {
   complex.touches.resize(next);
   complex.spacing_mm.resize(next);
   if (!complex.frozen.empty()) complex.frozen.resize(next);
-  for (auto& cell : complex.cells)
-    for (auto& n : cell) n = id[static_cast<std::size_t>(n)];
+  parallel::parallel_for(0, static_cast<std::int64_t>(complex.cells.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
+      for (auto& n : complex.cells[c]) n = id[static_cast<std::size_t>(n)];
+  });
+}
+
+void compress(Complex& complex) {
+  drop_unused(complex);
   connect(complex);
 }
 

@@ -48,7 +48,10 @@ inline bool has(const Cell& cell, std::int32_t node) {
   return cell[0] == node || cell[1] == node || cell[2] == node || cell[3] == node;
 }
 
-/// Fills the stars and qualities from nodes, cells and labels.
+/// Fills the stars from the cells, of which all must be alive.
+void connect_stars(Complex& complex);
+
+/// Fills the stars and qualities from nodes and cells.
 void connect(Complex& complex);
 
 std::int32_t add_node(Complex& complex, const Vec3& position, LabelBits touches, float spacing_mm);
@@ -58,6 +61,10 @@ double quality(const Complex& complex, const Cell& cell);
 void update_quality(Complex& complex, std::int32_t cell);
 double worst_quality(const Complex& complex, std::span<const std::int32_t> cells);
 
+/// Moves a node where no cell around it falls below `least_quality` or, if one is below already, below the worst.
+/// Returns whether it did.
+bool move_node(Complex& complex, std::int32_t node, const Vec3& position, double least_quality);
+
 /// Moves a node the whole way or, halved at most `tries - 1` times, as much of it as leaves no cell around below
 /// `least_quality` or, if one is below already, below the worst.
 void shift_node(Complex& complex, std::int32_t node, Vec3 way_mm, int tries, double least_quality);
@@ -65,7 +72,10 @@ void shift_node(Complex& complex, std::int32_t node, Vec3 way_mm, int tries, dou
 /// Sets `touches` from the labels of the cells; sides are kept, and `hull_bit` becomes a touch of the outside.
 void derive_touches(Complex& complex);
 
-/// Drops free slots, cells with `label` 0 and nodes without cells; keeps the order.
+/// Drops free slots, cells with `label` 0 and nodes without cells; keeps the order. Leaves the stars as they were.
+void drop_unused(Complex& complex);
+
+/// drop_unused and connect.
 void compress(Complex& complex);
 
 /// For two nodes of a cell: the other two, such that (a, b, first, second) is positive.

@@ -94,6 +94,16 @@ void add_leaves(Octree& tree, std::vector<Level>& levels, const Place& cell, int
 
 }  // namespace
 
+bool is_leaf_corner(const Octree& tree, const Place& at) {
+  for (std::int32_t cell = 0; cell < 8; ++cell) {
+    const Place beside{at[0] - (cell & 1), at[1] - ((cell >> 1) & 1), at[2] - (cell >> 2)};
+    if (!tree.contains(beside)) continue;
+    const std::int32_t rest = (1 << tree.level[tree.offset(beside)]) - 1;
+    if (((at[0] | at[1] | at[2]) & rest) == 0) return true;
+  }
+  return false;
+}
+
 Octree make_octree(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,
                    const std::function<double(const Vec3&)>& edge_mm) {
   const double cell_mm = finest_edge_mm / mean_edge_per_cell;

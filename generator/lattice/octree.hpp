@@ -30,7 +30,28 @@ struct Octree {
                static_cast<std::size_t>(size[0]) +
            static_cast<std::size_t>(at[0]);
   }
+  /// Corners of finest cells, the last ones included.
+  std::size_t corner_offset(const Place& at) const {
+    const auto nx = static_cast<std::size_t>(size[0]) + 1, ny = static_cast<std::size_t>(size[1]) + 1;
+    return (static_cast<std::size_t>(at[2]) * ny + static_cast<std::size_t>(at[1])) * nx +
+           static_cast<std::size_t>(at[0]);
+  }
+  bool contains(const Place& at) const {
+    return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < size[0] && at[1] < size[1] && at[2] < size[2];
+  }
+  /// The leaf over a finest cell. (Leaves begin at multiples of their width.)
+  Leaf leaf_over(const Place& at) const {
+    const std::int32_t number = level[offset(at)], rest = (1 << number) - 1;
+    return {{at[0] & ~rest, at[1] & ~rest, at[2] & ~rest}, number};
+  }
+  /// Places are in finest cells, and may lie between their corners.
+  Vec3 position_mm(const std::array<double, 3>& at) const {
+    return {origin_mm.x + at[0] * step_mm.x, origin_mm.y + at[1] * step_mm.y, origin_mm.z + at[2] * step_mm.z};
+  }
 };
+
+/// Whether a leaf has a corner there.
+bool is_leaf_corner(const Octree& tree, const Place& at);
 
 /// Mean edge of a BCC lattice whose cubes have edges of length 1 (8 edges of sqrt(3)/2 and 6 of 1 at each node).
 constexpr double mean_edge_per_cell = 0.9235;

@@ -7,6 +7,7 @@
 #include "generator/lattice/exchange.hpp"
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/noise.hpp"
+#include "generator/lattice/slabs.hpp"
 #include "generator/lattice/smooth.hpp"
 #include "model/sort_unique.hpp"
 
@@ -158,10 +159,28 @@ void shake(const Sweep& sweep, std::int32_t id, Noise& noise) {
   }
 }
 
+void smooth_all(const Sweep& sweep, const std::vector<std::int32_t>& bad) {
+  constexpr std::size_t many = 2000;  // fewer in a slab are not worth a thread
+  constexpr int cells_apart = 3;      // two bad ones whose corners share no cell with each other's
+  const auto count = static_cast<std::int64_t>(bad.size());
+  if (bad.size() < many || count > *sweep.budget) {
+    for (const auto id : bad)
+      if (sweep.may_try(id)) sweep.smooth_corners(id);
+    return;
+  }
+  *sweep.budget -= count;
+  const auto& c = *sweep.complex;
+  for_slabs(
+      slabs_across(c, cells_apart, bad.size() / many), bad.size(),
+      [&](std::size_t i) { return c.at(c.cell(bad[i])[0]); },
+      [&](std::size_t i) {
+        if (sweep.is_bad(bad[i])) sweep.smooth_corners(bad[i]);
+      });
+}
+
 void run(const Sweep& sweep, const std::vector<std::int32_t>& bad, const RepairSettings& settings, Noise& noise,
          int& shakes_left) {
-  for (const auto id : bad)
-    if (sweep.may_try(id)) sweep.smooth_corners(id);
+  smooth_all(sweep, bad);
   for (const auto id : bad)
     if (sweep.may_try(id)) sweep.change_topology(id);
   if (sweep.number >= regional_from)

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/sort_unique.hpp"
 
@@ -61,6 +62,7 @@ bool pierces(const Faces& all, const Face& a, const Face& b) {
 
 struct FaceBox {
   Vec3 low, high;
+  std::array<std::int32_t, 3> first_cube{}, last_cube{};  // of a grid, that the box meets
   bool meets(const FaceBox& o) const {
     return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y && low.z <= o.high.z &&
            o.low.z <= high.z;
@@ -83,30 +85,33 @@ FaceBox box_of(const Faces& all, std::int32_t f) {
 struct CubeGrid {
   Vec3 origin;
   double width = 1;
-  std::array<std::int64_t, 3> size{1, 1, 1};
+  std::array<std::int32_t, 3> size{1, 1, 1};
   std::vector<std::int32_t> first, faces;  // of cube c: faces[first[c]] to faces[first[c + 1] - 1], ascending
 
-  std::array<std::int64_t, 3> place_of(const Vec3& p) const {
-    std::array<std::int64_t, 3> place{};
+  std::array<std::int32_t, 3> place_of(const Vec3& p) const {
+    std::array<std::int32_t, 3> place{};
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
-      place[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>((p[axis] - origin[axis]) / width), 0, size[a] - 1);
+      place[a] = std::clamp(static_cast<std::int32_t>((p[axis] - origin[axis]) / width), 0, size[a] - 1);
     }
     return place;
   }
-  std::size_t cube_at(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    return static_cast<std::size_t>((k * size[1] + j) * size[0] + i);
+  std::size_t cube_at(std::int32_t i, std::int32_t j, std::int32_t k) const {
+    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(j)) *
+               static_cast<std::size_t>(size[0]) +
+           static_cast<std::size_t>(i);
   }
   template <class Body>
   void for_cubes(const FaceBox& box, Body&& body) const {
-    const auto low = place_of(box.low), high = place_of(box.high);
+    const auto &low = box.first_cube, &high = box.last_cube;
     for (auto k = low[2]; k <= high[2]; ++k)
       for (auto j = low[1]; j <= high[1]; ++j)
         for (auto i = low[0]; i <= high[0]; ++i) body(cube_at(i, j, k));
   }
 };
 
-CubeGrid grid_over(const std::vector<FaceBox>& boxes) {
+// Without faces.
+CubeGrid empty_grid(const std::vector<FaceBox>& boxes) {
   constexpr double widths = 1.5;  // of a cube, in mean widths of a box
   constexpr double most_cubes_per_face = 8;
   FaceBox all = boxes[0];
@@ -122,8 +127,21 @@ CubeGrid grid_over(const std::vector<FaceBox>& boxes) {
   grid.origin = all.low;
   grid.width = std::max({widths * sum / static_cast<double>(boxes.size()), std::cbrt(room), 1e-9});
   for (int axis = 0; axis < 3; ++axis)
-    grid.size[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(extent[axis] / grid.width) + 1;
-  grid.first.assign(static_cast<std::size_t>(grid.size[0] * grid.size[1] * grid.size[2]) + 1, 0);
+    grid.size[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(extent[axis] / grid.width) + 1;
+  return grid;
+}
+
+// Tells the boxes their cubes.
+CubeGrid grid_over(std::vector<FaceBox>& boxes) {
+  auto grid = empty_grid(boxes);
+  parallel::parallel_for(0, static_cast<std::int64_t>(boxes.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+      boxes[f].first_cube = grid.place_of(boxes[f].low);
+      boxes[f].last_cube = grid.place_of(boxes[f].high);
+    }
+  });
+  const auto& size = grid.size;
+  grid.first.assign(grid.cube_at(0, 0, size[2]) + 1, 0);
   for (const auto& box : boxes) grid.for_cubes(box, [&](std::size_t cube) { ++grid.first[cube + 1]; });
   for (std::size_t cube = 1; cube < grid.first.size(); ++cube) grid.first[cube] += grid.first[cube - 1];
   grid.faces.resize(static_cast<std::size_t>(grid.first.back()));
@@ -138,14 +156,15 @@ CubeGrid grid_over(const std::vector<FaceBox>& boxes) {
 // Pairs of faces of one cube whose boxes meet, where this is the first cube that both boxes meet.
 void add_meeting(const Faces& all, const std::vector<FaceBox>& boxes, const CubeGrid& grid, std::size_t cube,
                  std::vector<FacePair>& pairs) {
+  const auto is_first = [&](const FaceBox& a, const FaceBox& b) {
+    return grid.cube_at(std::max(a.first_cube[0], b.first_cube[0]), std::max(a.first_cube[1], b.first_cube[1]),
+                        std::max(a.first_cube[2], b.first_cube[2])) == cube;
+  };
   for (auto i = grid.first[cube]; i < grid.first[cube + 1]; ++i)
     for (auto j = i + 1; j < grid.first[cube + 1]; ++j) {
       const auto f = grid.faces[static_cast<std::size_t>(i)], g = grid.faces[static_cast<std::size_t>(j)];
       const auto &a = boxes[static_cast<std::size_t>(f)], &b = boxes[static_cast<std::size_t>(g)];
-      if (!a.meets(b)) continue;
-      const auto place =
-          grid.place_of({std::max(a.low.x, b.low.x), std::max(a.low.y, b.low.y), std::max(a.low.z, b.low.z)});
-      if (grid.cube_at(place[0], place[1], place[2]) != cube || shares_edge(all.face(f), all.face(g))) continue;
+      if (!a.meets(b) || !is_first(a, b) || shares_edge(all.face(f), all.face(g))) continue;
       if (pierces(all, all.face(f), all.face(g)) || pierces(all, all.face(g), all.face(f))) pairs.emplace_back(f, g);
     }
 }
@@ -182,16 +201,12 @@ void draw_back(Complex& c, std::int32_t node, const Vec3& way_out, double least_
 }  // namespace
 
 std::vector<Face> outer_faces(const Complex& c) {
-  std::vector<std::vector<Face>> of_piece(static_cast<std::size_t>(parallel::thread_count()));
-  parallel::parallel_for(
-      0, static_cast<std::int64_t>(c.cells.size()), [&](std::int64_t begin, std::int64_t end, int piece) {
-        for (auto t = begin; t < end; ++t)
-          if (c.is_alive(static_cast<std::int32_t>(t)))
-            add_outer_faces(c, c.cell(static_cast<std::int32_t>(t)), of_piece[static_cast<std::size_t>(piece)]);
-      });
-  std::vector<Face> faces;
-  for (const auto& piece : of_piece) faces.insert(faces.end(), piece.begin(), piece.end());
-  return faces;
+  return parallel::gather<Face>(0, static_cast<std::int64_t>(c.cells.size()),
+                                [&](std::int64_t begin, std::int64_t end, std::vector<Face>& faces) {
+                                  for (auto t = begin; t < end; ++t)
+                                    if (c.is_alive(static_cast<std::int32_t>(t)))
+                                      add_outer_faces(c, c.cell(static_cast<std::int32_t>(t)), faces);
+                                });
 }
 
 std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std::vector<Face>& faces) {
@@ -202,16 +217,10 @@ std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std
     for (auto f = begin; f < end; ++f) boxes[static_cast<std::size_t>(f)] = box_of(all, static_cast<std::int32_t>(f));
   });
   const auto grid = grid_over(boxes);
-  std::vector<std::vector<FacePair>> of_piece(static_cast<std::size_t>(parallel::thread_count()));
-  parallel::parallel_for(
-      0, static_cast<std::int64_t>(grid.first.size()) - 1, [&](std::int64_t begin, std::int64_t end, int piece) {
-        for (auto cube = begin; cube < end; ++cube)
-          add_meeting(all, boxes, grid, static_cast<std::size_t>(cube), of_piece[static_cast<std::size_t>(piece)]);
-      });
-  std::vector<FacePair> pairs;
-  for (const auto& piece : of_piece) pairs.insert(pairs.end(), piece.begin(), piece.end());
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<FacePair>& pairs) {
+    for (auto cube = begin; cube < end; ++cube) add_meeting(all, boxes, grid, static_cast<std::size_t>(cube), pairs);
+  };
+  return parallel::gather_sorted<FacePair>(0, static_cast<std::int64_t>(grid.first.size()) - 1, find);
 }
 
 std::int64_t separate_sheets(Complex& complex, double least_quality) {

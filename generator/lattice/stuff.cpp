@@ -4,11 +4,15 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "generator/lattice/background.hpp"
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/near_leaves.hpp"
 #include "generator/lattice/quality.hpp"
+#include "generator/lattice/slabs.hpp"
+#include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/sort_unique.hpp"
 
@@ -41,59 +45,98 @@ double finest_edge(const Materials& m) {
 
 // Labels of the nodes as `touches`. Cells all of whose nodes are outside are left out, but for those around the nodes
 // of the others: what the outside looks like around a node is seen only where all its cells are there.
-Complex label_lattice(const Materials& materials, Background background) {
+Complex label_lattice(Background background) {
   Complex c;
   c.nodes_mm = std::move(background.nodes_mm);
   c.spacing_mm = std::move(background.spacing_mm);
   c.touches = std::move(background.sides);
-  parallel::parallel_for(0, static_cast<std::int64_t>(c.nodes_mm.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
-      c.touches[n] |= bit_of(materials.label_at(c.nodes_mm[n]));
-  });
+  for (std::size_t n = 0; n < c.touches.size(); ++n)
+    c.touches[n] |= bit_of(background.label[n]) | (background.lacks_cells[n] != 0 ? hull_bit : 0);
   std::vector<std::uint8_t> is_near(c.nodes_mm.size(), 0);
   for (const auto& cell : background.cells)
     if (std::any_of(cell.begin(), cell.end(), [&](std::int32_t n) { return (c.bits(n) & bit_of(0)) == 0; }))
       for (const auto n : cell) is_near[static_cast<std::size_t>(n)] = 1;
-  const auto is_left_out = [&](const Cell& cell) {
-    return std::none_of(cell.begin(), cell.end(),
-                        [&](std::int32_t n) { return is_near[static_cast<std::size_t>(n)] != 0; });
-  };
-  for (const auto& cell : background.cells)
-    if (is_left_out(cell))
-      for (const auto n : cell) c.touches[static_cast<std::size_t>(n)] |= hull_bit;
-  std::erase_if(background.cells, is_left_out);
-  c.cells = background.cells;  // as long as it is: the lattice of the whole box is far longer
+  std::size_t kept = 0;
+  for (const auto& cell : background.cells) {
+    if (std::any_of(cell.begin(), cell.end(),
+                    [&](std::int32_t n) { return is_near[static_cast<std::size_t>(n)] != 0; })) {
+      background.cells[kept++] = cell;
+      continue;
+    }
+    for (const auto n : cell) c.touches[static_cast<std::size_t>(n)] |= hull_bit;
+  }
+  background.cells.resize(kept);
+  c.cells = background.cells;  // as long as it is: it was given more room
   std::vector<Cell>().swap(background.cells);
   c.label.assign(c.cells.size(), 1);  // not yet known; 0 would be dropped
-  compress(c);
+  drop_unused(c);
+  connect_stars(c);
+  constexpr float least_quality = 0.65F;  // of the lattice's cells: angles in [45, 120] degrees, a little stretched
+  c.quality.assign(c.cells.size(), least_quality);
   return c;
 }
 
 constexpr LabelBits label_bits = ~(side_bits | hull_bit);
 
 LabelBits labels_of(const Complex& c, std::int32_t node) { return c.bits(node) & label_bits; }
+bool is_on_feature(const Complex& c, std::int32_t node) { return is_constrained(labels_of(c, node)); }
 bool crosses(const Complex& c, std::int32_t a, std::int32_t b) { return (labels_of(c, a) & labels_of(c, b)) == 0; }
 
 LabelBits common_labels(const Complex& c, const Cell& cell) {
   return labels_of(c, cell[0]) & labels_of(c, cell[1]) & labels_of(c, cell[2]) & labels_of(c, cell[3]);
 }
 
+std::int64_t node_count(const Complex& c) { return static_cast<std::int64_t>(c.nodes_mm.size()); }
+std::int64_t cell_count(const Complex& c) { return static_cast<std::int64_t>(c.cells.size()); }
+
+// Of each cell, what `property` says.
+template <class Property>
+std::vector<std::uint8_t> mark_cells(const Complex& c, const Property& property) {
+  std::vector<std::uint8_t> marks(c.cells.size());
+  parallel::parallel_for(0, cell_count(c), [&](std::int64_t begin, std::int64_t end) {
+    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t)
+      marks[t] = c.cells[t][0] >= 0 && property(c.cells[t]);
+  });
+  return marks;
+}
+
+// The edges that cross, ascending.
 std::vector<Edge> crossing_edges(const Complex& c) {
-  std::vector<Edge> edges;
-  for (const auto& cell : c.cells) {
-    if (cell[0] < 0 || common_labels(c, cell) != 0) continue;
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j)
-        if (crosses(c, cell[i], cell[j])) edges.push_back(std::minmax(cell[i], cell[j]));
-  }
-  sort_unique(edges);
-  return edges;
+  const auto is_crossed = mark_cells(c, [&](const Cell& cell) { return common_labels(c, cell) == 0; });
+  return parallel::gather<Edge>(0, node_count(c), [&](std::int64_t begin, std::int64_t end, std::vector<Edge>& edges) {
+    for (auto n = begin; n < end; ++n) {
+      const auto node = static_cast<std::int32_t>(n);
+      const auto first = static_cast<std::ptrdiff_t>(edges.size());
+      for (const auto t : c.star(node)) {
+        if (is_crossed[static_cast<std::size_t>(t)] == 0) continue;
+        for (const auto other : c.cell(t))
+          if (other > node && crosses(c, node, other)) edges.emplace_back(node, other);
+      }
+      std::sort(edges.begin() + first, edges.end());
+      edges.erase(std::unique(edges.begin() + first, edges.end()), edges.end());
+    }
+  });
+}
+
+// Only those in cells at the nodes from `first_node` on.
+std::vector<Edge> crossing_edges_from(const Complex& c, std::int64_t first_node) {
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Edge>& edges) {
+    for (auto node = begin; node < end; ++node)
+      for (const auto t : c.star(static_cast<std::int32_t>(node))) {
+        const Cell& cell = c.cell(t);
+        for (std::size_t i = 0; i < 4; ++i)
+          for (std::size_t j = i + 1; j < 4; ++j)
+            if (crosses(c, cell[i], cell[j])) edges.push_back(std::minmax(cell[i], cell[j]));
+      }
+  };
+  return parallel::gather_sorted<Edge>(first_node, node_count(c), find);
 }
 
 /// Where an edge leaves the labels of its first node.
 struct Crossing {
   double share = 0;      ///< of the edge, from the first node
   LabelBits labels = 0;  ///< on the two sides
+  Vec3 point;            ///< there
 };
 
 Crossing find_crossing(const Materials& materials, const Complex& c, const Edge& edge) {
@@ -111,7 +154,8 @@ Crossing find_crossing(const Materials& materials, const Complex& c, const Edge&
   const auto any = [](LabelBits bits) { return bits & (~bits + 1); };
   if (before == 0) before = any(own);
   if (after == 0) after = any(labels_of(c, edge.second));
-  return {0.5 * (low + high), before | after};
+  const double share = 0.5 * (low + high);
+  return {share, before | after, start + share * way};
 }
 
 std::vector<Crossing> find_crossings(const Materials& materials, const Complex& c, const std::vector<Edge>& edges) {
@@ -123,56 +167,41 @@ std::vector<Crossing> find_crossings(const Materials& materials, const Complex& 
   return crossings;
 }
 
-// Moves a node where no cell around it becomes worse than `least` or, if it is that bad already, than it is.
-bool try_move(Complex& c, std::int32_t node, const Vec3& target, double least) {
-  auto& position = c.nodes_mm[static_cast<std::size_t>(node)];
-  const Vec3 old = position;
-  const double bound = std::min(least, worst_quality(c, c.star(node)));
-  position = target;
-  const auto star = c.star(node);
-  if (std::any_of(star.begin(), star.end(), [&](std::int32_t t) { return quality(c, c.cell(t)) < bound; })) {
-    position = old;
-    return false;
-  }
-  for (const auto t : star) update_quality(c, t);
-  return true;
-}
-
-/// A node that could move onto a feature; nearest first.
-struct Snap {
+/// A node that could move onto a curve; nearest first.
+struct CurveSnap {
   double distance;  ///< relative
   std::int32_t node;
   LabelBits labels;  ///< that the node would touch
   Vec3 target;
-  Edge edge;              ///< that crosses, or
-  Face face{-1, -1, -1};  ///< the face through which the curve goes
-  bool operator<(const Snap& other) const {
+  Face face;  ///< through which the curve goes
+  bool operator<(const CurveSnap& other) const {
     if (distance != other.distance) return distance < other.distance;
-    if (node != other.node) return node < other.node;
-    return std::tie(edge, face) < std::tie(other.edge, other.face);
+    return node != other.node ? node < other.node : face < other.face;
   }
 };
 
 // Faces whose nodes have three different labels: a curve goes through them.
 std::vector<Face> pierced_faces(const Complex& c) {
-  std::vector<Face> faces;
-  for (const auto& cell : c.cells) {
-    if (common_labels(c, cell) != 0) continue;
-    for (std::size_t i = 0; i < 4; ++i) {
-      Face face{cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4]};
-      if (!crosses(c, face[0], face[1]) || !crosses(c, face[1], face[2]) || !crosses(c, face[0], face[2])) continue;
-      std::sort(face.begin(), face.end());
-      faces.push_back(face);
-    }
-  }
-  sort_unique(faces);
-  return faces;
+  return parallel::gather_sorted<Face>(
+      0, cell_count(c), [&](std::int64_t begin, std::int64_t end, std::vector<Face>& faces) {
+        for (auto t = begin; t < end; ++t) {
+          const Cell& cell = c.cell(static_cast<std::int32_t>(t));
+          if (common_labels(c, cell) != 0) continue;
+          for (std::size_t i = 0; i < 4; ++i) {
+            Face face{cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4]};
+            if (!crosses(c, face[0], face[1]) || !crosses(c, face[1], face[2]) || !crosses(c, face[0], face[2]))
+              continue;
+            std::sort(face.begin(), face.end());
+            faces.push_back(face);
+          }
+        }
+      });
 }
 
-std::vector<Snap> curve_snaps(const Materials& materials, const Complex& c, const std::vector<Face>& faces,
-                              double reach) {
+std::vector<CurveSnap> curve_snaps(const Materials& materials, const Complex& c, const std::vector<Face>& faces,
+                                   double reach) {
   constexpr int newton_steps = 6;
-  std::vector<std::array<Snap, 3>> found(faces.size());
+  std::vector<std::array<CurveSnap, 3>> found(faces.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
       const Face& face = faces[f];
@@ -186,11 +215,11 @@ std::vector<Snap> curve_snaps(const Materials& materials, const Complex& c, cons
         const auto feature = feature_at(materials, labels, target);
         const bool is_on = distance_to(feature) < 0.02 * spacing && norm(target - center) < spacing;
         const double distance = is_on ? norm(target - c.at(node)) / spacing : 9;
-        found[f][i] = {distance, node, labels, target, {-1, -1}, face};
+        found[f][i] = {distance, node, labels, target, face};
       }
     }
   });
-  std::vector<Snap> snaps;
+  std::vector<CurveSnap> snaps;
   for (const auto& three : found)
     for (const auto& snap : three)
       if (snap.distance < reach) snaps.push_back(snap);
@@ -202,43 +231,58 @@ void snap_to_curves(const Materials& materials, Complex& c, const StuffSettings&
   for (const auto& snap : curve_snaps(materials, c, pierced_faces(c), settings.curve_reach)) {
     const bool is_open = crosses(c, snap.face[0], snap.face[1]) && crosses(c, snap.face[1], snap.face[2]) &&
                          crosses(c, snap.face[0], snap.face[2]);
-    if (is_open && try_move(c, snap.node, snap.target, settings.least_quality))
+    if (is_open && move_node(c, snap.node, snap.target, settings.least_quality))
       c.touches[static_cast<std::size_t>(snap.node)] |= snap.labels;
   }
 }
 
-std::vector<Snap> surface_snaps(const Materials& materials, const Complex& c, double reach) {
-  const auto edges = crossing_edges(c);
-  const auto crossings = find_crossings(materials, c, edges);
-  std::vector<Snap> snaps;
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    const auto [a, b] = edges[e];
-    const auto& crossing = crossings[e];
-    for (const bool from_first : {true, false}) {
-      const double share = from_first ? crossing.share : 1 - crossing.share;
-      const auto node = from_first ? a : b;
-      if (share > reach || std::popcount(labels_of(c, node)) > 1) continue;
-      if ((crossing.labels & labels_of(c, node)) == 0) continue;  // a third material lies between
-      const Vec3 target = c.at(a) + crossing.share * (c.at(b) - c.at(a));
-      snaps.push_back(
-          {share * norm(c.at(b) - c.at(a)) / static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]), node,
-           crossing.labels, target, edges[e]});
-    }
+/// A node that could move onto the surface that an edge of it crosses; nearest first.
+struct SurfaceSnap {
+  double distance;  ///< relative
+  std::int32_t node, edge;
+  bool operator==(const SurfaceSnap&) const = default;
+  bool operator<(const SurfaceSnap& other) const {
+    return std::tie(distance, node, edge) < std::tie(other.distance, other.node, other.edge);
   }
-  std::sort(snaps.begin(), snaps.end());
-  return snaps;
+};
+
+std::vector<SurfaceSnap> surface_snaps(const Complex& c, const std::vector<Edge>& edges,
+                                       const std::vector<Crossing>& crossings, double reach) {
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<SurfaceSnap>& snaps) {
+    for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e) {
+      const auto [a, b] = edges[e];
+      const auto& crossing = crossings[e];
+      for (const bool from_first : {true, false}) {
+        const double share = from_first ? crossing.share : 1 - crossing.share;
+        const auto node = from_first ? a : b;
+        if (share > reach || is_on_feature(c, node)) continue;
+        if ((crossing.labels & labels_of(c, node)) == 0) continue;  // a third material lies between
+        const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]);
+        snaps.push_back({share * norm(c.at(b) - c.at(a)) / spacing, node, static_cast<std::int32_t>(e)});
+      }
+    }
+  };
+  return parallel::gather_sorted<SurfaceSnap>(0, static_cast<std::int64_t>(edges.size()), find);
 }
 
 void snap_to_surfaces(const Materials& materials, Complex& c, const StuffSettings& settings) {
-  for (const auto& snap : surface_snaps(materials, c, settings.edge_reach)) {
-    if (std::popcount(labels_of(c, snap.node)) > 1 || !crosses(c, snap.edge.first, snap.edge.second)) continue;
-    const LabelBits sides = c.bits(snap.node) & side_bits;
-    const Vec3 target = project(materials, sides | snap.labels, snap.target, 2);
-    if (norm(target - snap.target) > 0.25 * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(snap.node)]))
-      continue;
-    if (try_move(c, snap.node, target, settings.least_quality))
-      c.touches[static_cast<std::size_t>(snap.node)] |= snap.labels;
-  }
+  const auto edges = crossing_edges(c);
+  const auto crossings = find_crossings(materials, c, edges);
+  const auto snaps = surface_snaps(c, edges, crossings, settings.edge_reach);
+  const auto snap_one = [&](std::size_t i) {
+    const auto node = snaps[i].node;
+    const auto e = static_cast<std::size_t>(snaps[i].edge);
+    if (is_on_feature(c, node) || !crosses(c, edges[e].first, edges[e].second)) return;
+    const LabelBits labels = crossings[e].labels, sides = c.bits(node) & side_bits;
+    const Vec3 target = project(materials, sides | labels, crossings[e].point, 2);
+    if (norm(target - crossings[e].point) > 0.25 * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]))
+      return;
+    if (move_node(c, node, target, settings.least_quality)) c.touches[static_cast<std::size_t>(node)] |= labels;
+  };
+  constexpr std::size_t fewest = 20'000;  // in a slab: at its borders, what is nearer may come later
+  for_slabs(
+      slabs_across(c, 1, snaps.size() / fewest), snaps.size(), [&](std::size_t i) { return c.at(snaps[i].node); },
+      snap_one);
 }
 
 void divide_edge(Complex& c, const Edge& edge, std::int32_t middle) {
@@ -262,8 +306,7 @@ struct Cut {
   Crossing crossing;
 };
 
-std::vector<Cut> open_cuts(const Materials& materials, const Complex& c) {
-  const auto edges = crossing_edges(c);
+std::vector<Cut> cuts_of(const Materials& materials, const Complex& c, const std::vector<Edge>& edges) {
   const auto crossings = find_crossings(materials, c, edges);
   std::vector<Cut> cuts;
   cuts.reserve(edges.size());
@@ -274,23 +317,23 @@ std::vector<Cut> open_cuts(const Materials& materials, const Complex& c) {
 // Edges from a node on a surface to one that has no label but one of its own, in the star of the first.
 void collect_edges_off_surface(const Complex& c, std::int32_t node, std::vector<Edge>& edges) {
   edges.clear();
-  if (std::popcount(labels_of(c, node)) < 2) return;
+  if (!is_on_feature(c, node)) return;
   for (const auto t : c.star(node))
     for (const auto other : c.cell(t))
-      if (std::popcount(labels_of(c, other)) == 1 && !crosses(c, node, other)) edges.emplace_back(node, other);
+      if (!is_on_feature(c, other) && !crosses(c, node, other)) edges.emplace_back(node, other);
   sort_unique(edges);
 }
 
-// Edges between nodes of the same label in the cells around a node on a surface; others may see them again.
-void collect_edges_beside_surface(const Complex& c, std::int32_t node, std::vector<Edge>& edges) {
+// Edges from a node to later ones of the same label, in cells with a node on a surface.
+void collect_edges_beside_surface(const Complex& c, const std::vector<std::uint8_t>& is_at_surface, std::int32_t node,
+                                  std::vector<Edge>& edges) {
   edges.clear();
-  if (std::popcount(labels_of(c, node)) < 2) return;
+  const LabelBits own = labels_of(c, node);
+  if (is_on_feature(c, node)) return;
   for (const auto t : c.star(node)) {
-    const Cell& cell = c.cell(t);
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j)
-        if (std::popcount(labels_of(c, cell[i])) == 1 && labels_of(c, cell[i]) == labels_of(c, cell[j]))
-          edges.push_back(std::minmax(cell[i], cell[j]));
+    if (is_at_surface[static_cast<std::size_t>(t)] == 0) continue;
+    for (const auto other : c.cell(t))
+      if (other > node && labels_of(c, other) == own) edges.emplace_back(node, other);
   }
   sort_unique(edges);
 }
@@ -315,32 +358,27 @@ Crossing find_hidden_crossing(const Materials& materials, const Complex& c, cons
       (label == between ? low : high) = middle;
       if (label != between) after = label;
     }
-    return {0.5 * (low + high), between | after};
+    const double crossed = 0.5 * (low + high);
+    return {crossed, between | after, start + crossed * way};
   }
   return {};
 }
 
 // Of the edges that `collect` finds at the nodes from `first_node` on.
-std::vector<Cut> hidden_cuts(const Materials& materials, const Complex& c, std::size_t first_node,
-                             void (*collect)(const Complex&, std::int32_t, std::vector<Edge>&)) {
-  std::vector<std::vector<Cut>> of_piece(static_cast<std::size_t>(parallel::thread_count()));
-  const auto find = [&](std::int64_t begin, std::int64_t end, int piece) {
-    std::vector<Edge> edges;
-    for (auto node = begin; node < end; ++node) {
-      collect(c, static_cast<std::int32_t>(node), edges);
-      for (const auto& edge : edges) {
-        const auto crossing = find_hidden_crossing(materials, c, edge);
-        if (crossing.labels != 0) of_piece[static_cast<std::size_t>(piece)].push_back({edge, crossing});
-      }
-    }
-  };
-  parallel::parallel_for(static_cast<std::int64_t>(first_node), static_cast<std::int64_t>(c.nodes_mm.size()), find);
-  std::vector<Cut> cuts;
-  for (const auto& piece : of_piece) cuts.insert(cuts.end(), piece.begin(), piece.end());
-  std::sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.edge < b.edge; });
-  cuts.erase(std::unique(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.edge == b.edge; }),
-             cuts.end());
-  return cuts;
+template <class Collect>
+std::vector<Cut> hidden_cuts(const Materials& materials, const Complex& c, std::int64_t first_node,
+                             const Collect& collect) {
+  return parallel::gather<Cut>(first_node, node_count(c),
+                               [&](std::int64_t begin, std::int64_t end, std::vector<Cut>& cuts) {
+                                 std::vector<Edge> edges;
+                                 for (auto node = begin; node < end; ++node) {
+                                   collect(static_cast<std::int32_t>(node), edges);
+                                   for (const auto& edge : edges) {
+                                     const auto crossing = find_hidden_crossing(materials, c, edge);
+                                     if (crossing.labels != 0) cuts.push_back({edge, crossing});
+                                   }
+                                 }
+                               });
 }
 
 // Divides an edge. At a crossing very near to a node, or on an edge that is `never_divided`, the node touches both
@@ -355,9 +393,8 @@ void cut_edge(Complex& c, const Cut& cut, bool never_divided) {
     return;
   }
   const LabelBits sides = c.bits(a) & c.bits(b) & side_bits;
-  const Vec3 point = c.at(a) + share * (c.at(b) - c.at(a));
   const float spacing = std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]);
-  divide_edge(c, cut.edge, add_node(c, point, sides | cut.crossing.labels, spacing));
+  divide_edge(c, cut.edge, add_node(c, cut.crossing.point, sides | cut.crossing.labels, spacing));
 }
 
 // Whether the two parts of every cell around an edge that is divided at `point` are good enough.
@@ -376,34 +413,43 @@ bool may_divide(const Complex& c, const Edge& edge, const Vec3& point, double le
 // A sheet that an edge goes through unseen is no reason for cells that nothing can repair.
 void cut_hidden_edge(Complex& c, const Cut& cut) {
   constexpr double least = 0.02;
-  const auto [a, b] = cut.edge;
-  if (std::popcount(labels_of(c, b)) != 1 || (labels_of(c, b) & cut.crossing.labels) == 0) return;
-  if (may_divide(c, cut.edge, c.at(a) + cut.crossing.share * (c.at(b) - c.at(a)), least)) cut_edge(c, cut, false);
+  const auto b = cut.edge.second;
+  if (is_on_feature(c, b) || (labels_of(c, b) & cut.crossing.labels) == 0) return;
+  if (may_divide(c, cut.edge, cut.crossing.point, least)) cut_edge(c, cut, false);
+}
+
+// Divides edges until none crosses. Whatever is divided, only edges at new nodes can cross after that.
+void cut_open(const Materials& materials, Complex& c, std::vector<Edge> edges) {
+  constexpr int most_rounds = 6;
+  for (int round = 0; round < most_rounds && !edges.empty(); ++round) {
+    const auto first_node = node_count(c);
+    for (const auto& cut : cuts_of(materials, c, edges))
+      if (crosses(c, cut.edge.first, cut.edge.second)) cut_edge(c, cut, round + 1 == most_rounds);
+    edges = crossing_edges_from(c, first_node);
+  }
 }
 
 // Divides edges where they cross.
 void cut_edges(const Materials& materials, Complex& c) {
   constexpr int most_rounds = 6;
-  const auto cut_open = [&] {
-    for (int round = 0; round < most_rounds; ++round) {
-      const auto cuts = open_cuts(materials, c);
-      if (cuts.empty()) return;
-      for (const auto& cut : cuts)
-        if (crosses(c, cut.edge.first, cut.edge.second)) cut_edge(c, cut, round + 1 == most_rounds);
-    }
+  cut_open(materials, c, crossing_edges(c));
+  const auto cut_hidden = [&](std::int64_t first_node, const auto& collect) {
+    const auto next = node_count(c);
+    for (const auto& cut : hidden_cuts(materials, c, first_node, collect)) cut_hidden_edge(c, cut);
+    cut_open(materials, c, crossing_edges_from(c, next));
   };
-  cut_open();
-  const auto cut_hidden = [&](std::size_t first_node, auto* collect) {
-    const auto cuts = hidden_cuts(materials, c, first_node, collect);
-    for (const auto& cut : cuts) cut_hidden_edge(c, cut);
-    cut_open();
-  };
-  cut_hidden(0, collect_edges_beside_surface);
-  std::size_t first_node = 0;
+  const auto is_at_surface = mark_cells(c, [&](const Cell& cell) {
+    return std::any_of(cell.begin(), cell.end(), [&](std::int32_t n) { return is_on_feature(c, n); });
+  });
+  cut_hidden(0, [&](std::int32_t node, std::vector<Edge>& edges) {
+    collect_edges_beside_surface(c, is_at_surface, node, edges);
+  });
+  std::int64_t first_node = 0;
   for (int round = 0; round < most_rounds; ++round) {  // after the first one, what is left of edges that were cut
-    const auto next = c.nodes_mm.size();
-    cut_hidden(first_node, collect_edges_off_surface);
-    if (c.nodes_mm.size() == next) break;
+    const auto next = node_count(c);
+    cut_hidden(first_node,
+               [&](std::int32_t node, std::vector<Edge>& edges) { collect_edges_off_surface(c, node, edges); });
+    if (node_count(c) == next) break;
     first_node = next;
   }
 }
@@ -436,14 +482,13 @@ void close_gaps(Complex& c) {
   }
   c.cells.resize(kept);
   c.label.resize(kept);
-  connect(c);
 }
 
 }  // namespace
 
 Complex stuff(const Materials& materials, const StuffSettings& settings) {
   const auto tree = make_octree(materials.box_min_mm, materials.box_max_mm, finest_edge(materials), materials.edge_mm);
-  auto c = label_lattice(materials, make_background(tree));
+  auto c = label_lattice(make_background(tree, materials.label_at, near_leaves(tree, materials.label_at)));
   snap_to_curves(materials, c, settings);
   snap_to_surfaces(materials, c, settings);
   cut_edges(materials, c);

@@ -23,7 +23,8 @@ struct StuffSettings {
 };
 
 /// Cells with label 0 lie outside next to the others; `derive_touches` and `compress` finish the mesh once the labels
-/// are settled. `touches` holds sides and hull only. The same result for any number of threads.
+/// are settled, and know the cells of its nodes only then. `touches` holds sides and hull only. The same result for any
+/// number of threads.
 Complex stuff(const Materials& materials, const StuffSettings& settings);
 
 }  // namespace heart::lattice

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "generator/parallel/threads.hpp"
+#include "generator/parallel/gather.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -24,16 +24,11 @@ void add_faces_of(const Complex& c, std::int32_t t, std::vector<SurfaceFace>& fa
 }  // namespace
 
 std::vector<SurfaceFace> surface_faces(const Complex& complex) {
-  std::vector<std::vector<SurfaceFace>> of_piece(static_cast<std::size_t>(parallel::thread_count()));
-  const auto find = [&](std::int64_t begin, std::int64_t end, int piece) {
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<SurfaceFace>& faces) {
     for (auto t = begin; t < end; ++t)
-      if (complex.is_alive(static_cast<std::int32_t>(t)))
-        add_faces_of(complex, static_cast<std::int32_t>(t), of_piece[static_cast<std::size_t>(piece)]);
+      if (complex.is_alive(static_cast<std::int32_t>(t))) add_faces_of(complex, static_cast<std::int32_t>(t), faces);
   };
-  parallel::parallel_for(0, static_cast<std::int64_t>(complex.cells.size()), find);
-  std::vector<SurfaceFace> faces;
-  for (const auto& piece : of_piece) faces.insert(faces.end(), piece.begin(), piece.end());
-  return faces;
+  return parallel::gather<SurfaceFace>(0, static_cast<std::int64_t>(complex.cells.size()), find);
 }
 
 }  // namespace heart::lattice

@@ -4,143 +4,88 @@
 #include <cmath>
 #include <limits>
 
+#include "generator/mesh/connected_cells.hpp"
+#include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::mesh {
 namespace {
-
-struct Star {
-  std::vector<std::int32_t> first;  // per node: where its cells begin
-  std::vector<std::int32_t> cells;
-  std::span<const std::int32_t> of(std::int32_t node) const {
-    const auto n = static_cast<std::size_t>(node);
-    return {cells.data() + first[n], static_cast<std::size_t>(first[n + 1] - first[n])};
-  }
-};
-
-constexpr std::array<std::array<std::size_t, 3>, 4> face_corners{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
-
-struct Tetrahedra {
-  const std::vector<Vec3>* nodes;
-  const std::vector<Cell>* cells;
-  std::vector<std::int32_t>* label;
-  std::vector<std::array<std::int32_t, 4>> neighbours;  // across the face opposite to each corner; -1: the hull
-  Star star;
-
-  std::int32_t label_of(std::int32_t cell) const { return (*label)[static_cast<std::size_t>(cell)]; }
-  const std::array<std::int32_t, 4>& around(std::int32_t cell) const {
-    return neighbours[static_cast<std::size_t>(cell)];
-  }
-  const Cell& cell(std::int32_t c) const { return (*cells)[static_cast<std::size_t>(c)]; }
-  const Vec3& corner(std::int32_t c, std::size_t i) const { return (*nodes)[static_cast<std::size_t>(cell(c)[i])]; }
-  double volume(std::int32_t c) const {
-    const Vec3& o = corner(c, 0);
-    return std::abs(dot(corner(c, 1) - o, cross(corner(c, 2) - o, corner(c, 3) - o))) / 6;
-  }
-  double face_area(std::int32_t c, std::size_t opposite) const {
-    const auto& [i, j, k] = face_corners[opposite];
-    return norm(cross(corner(c, j) - corner(c, i), corner(c, k) - corner(c, i))) / 2;
-  }
-};
-
-Star star_of(std::size_t nodes, const std::vector<Cell>& cells) {
-  Star star;
-  star.first.assign(nodes + 1, 0);
-  for (const auto& cell : cells)
-    for (const auto n : cell) ++star.first[static_cast<std::size_t>(n) + 1];
-  for (std::size_t n = 0; n < nodes; ++n) star.first[n + 1] += star.first[n];
-  star.cells.resize(4 * cells.size());
-  auto next = star.first;
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (const auto n : cells[c])
-      star.cells[static_cast<std::size_t>(next[static_cast<std::size_t>(n)]++)] = static_cast<std::int32_t>(c);
-  return star;
-}
-
-/// A face of a cell, by the two nodes besides its smallest.
-struct HalfFace {
-  std::int32_t middle, last, cell;
-  std::size_t corner;
-};
-
-// The faces whose smallest node is `node`.
-void collect_half_faces(const Tetrahedra& t, std::int32_t node, std::vector<HalfFace>& halves) {
-  halves.clear();
-  for (const auto c : t.star.of(node)) {
-    const Cell& cell = t.cell(c);
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-      if (cell[corner] == node) continue;
-      const auto& [i, j, k] = face_corners[corner];
-      const auto least = std::min({cell[i], cell[j], cell[k]});
-      if (least != node) continue;
-      const auto most = std::max({cell[i], cell[j], cell[k]});
-      halves.push_back({cell[i] ^ cell[j] ^ cell[k] ^ least ^ most, most, c, corner});
-    }
-  }
-}
-
-// Every face has one smallest node; around that node its two cells are found among few.
-void connect_neighbours(Tetrahedra& t) {
-  t.neighbours.assign(t.cells->size(), {-1, -1, -1, -1});
-  parallel::parallel_for(0, static_cast<std::int64_t>(t.nodes->size()), [&](std::int64_t begin, std::int64_t end) {
-    std::vector<HalfFace> halves;
-    for (auto node = begin; node < end; ++node) {
-      collect_half_faces(t, static_cast<std::int32_t>(node), halves);
-      for (std::size_t h = 0; h < halves.size(); ++h)
-        for (std::size_t g = h + 1; g < halves.size(); ++g) {
-          if (halves[g].middle != halves[h].middle || halves[g].last != halves[h].last) continue;
-          t.neighbours[static_cast<std::size_t>(halves[h].cell)][halves[h].corner] = halves[g].cell;
-          t.neighbours[static_cast<std::size_t>(halves[g].cell)][halves[g].corner] = halves[h].cell;
-          break;
-        }
-    }
-  });
-}
-
-Tetrahedra connect(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells, std::vector<std::int32_t>& label) {
-  Tetrahedra t{&nodes, &cells, &label, {}, star_of(nodes.size(), cells)};
-  connect_neighbours(t);
-  return t;
-}
 
 // The label across the most area of the group's outer faces, among those that `accept` takes; -1 if there is none.
 std::int32_t most_touched(const Tetrahedra& t, const std::vector<std::int32_t>& group, const auto& accept) {
   std::array<double, 64> area{};
   for (const auto cell : group)
     for (std::size_t corner = 0; corner < 4; ++corner) {
-      const auto other = t.around(cell)[corner];
-      const std::int32_t label = other < 0 ? 0 : t.label_of(other);
+      const std::int32_t label = t.label_across(cell, corner);
       if (accept(label)) area[static_cast<std::size_t>(label)] += t.face_area(cell, corner);
     }
   const auto most = std::max_element(area.begin(), area.end());
   return *most > 0 ? static_cast<std::int32_t>(most - area.begin()) : -1;
 }
 
-/// Per node, whether a cell around it has changed.
-using Changes = std::vector<std::uint8_t>;
-
 void note_change(const Tetrahedra& t, const std::vector<std::int32_t>& cells, Changes& changes) {
   for (const auto cell : cells)
     for (const auto corner : t.cell(cell)) changes[static_cast<std::size_t>(corner)] = 1;
 }
 
-std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells, Changes& made) {
-  std::int64_t changed = 0;
-  std::vector<bool> seen(t.cells->size(), false);
-  for (std::size_t seed = 0; seed < t.cells->size(); ++seed) {
-    if (seen[seed]) continue;
-    std::vector<std::int32_t> piece{static_cast<std::int32_t>(seed)};
-    const auto label = t.label_of(piece[0]);
-    seen[seed] = true;
-    bool on_hull = false;
-    for (std::size_t next = 0; next < piece.size(); ++next)
-      for (const auto other : t.around(piece[next])) {
-        on_hull |= other < 0;
-        if (other < 0 || seen[static_cast<std::size_t>(other)] || t.label_of(other) != label) continue;
-        seen[static_cast<std::size_t>(other)] = true;
-        piece.push_back(other);
+// Cells with a changed node that lie beside one of another label, ascending.
+std::vector<std::int32_t> cells_at_interfaces(const Tetrahedra& t, const Changes& changes) {
+  const auto is_at_interface = [&](std::int32_t cell) {
+    const auto& nodes = t.cell(cell);
+    if (std::none_of(nodes.begin(), nodes.end(),
+                     [&](std::int32_t n) { return changes[static_cast<std::size_t>(n)] != 0; }))
+      return false;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      // What was not connected has the same label on both sides, unless that has changed.
+      if (t.neighbours[static_cast<std::size_t>(cell)][corner] == unknown &&
+          std::all_of(face_corners[corner].begin(), face_corners[corner].end(),
+                      [&](std::size_t i) { return changes[static_cast<std::size_t>(nodes[i])] == 0; }))
+        continue;
+      if (t.label_across(cell, corner) != t.label_of(cell)) return true;
+    }
+    return false;
+  };
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<std::int32_t>& found) {
+    for (auto cell = begin; cell < end; ++cell)
+      if (is_at_interface(static_cast<std::int32_t>(cell))) found.push_back(static_cast<std::int32_t>(cell));
+  };
+  return parallel::gather<std::int32_t>(0, static_cast<std::int64_t>(t.cells->size()), find);
+}
+
+/// Of each cell: whether the piece that it belongs to has been looked at.
+using Seen = std::vector<std::uint8_t>;
+
+// Sets the piece of one label to which a cell belongs; false where it stays: has more than `crumb_cells` cells, or is
+// the outside.
+bool find_crumb(const Tetrahedra& t, std::int32_t seed, std::int64_t crumb_cells, Seen& seen,
+                std::vector<std::int32_t>& piece) {
+  const auto label = t.label_of(seed);
+  piece.assign(1, seed);
+  bool does_stay = false;
+  const auto most = static_cast<std::size_t>(crumb_cells);
+  for (std::size_t next = 0; next < piece.size() && piece.size() <= most && !does_stay; ++next)
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const auto other = t.across(piece[next], corner);
+      if (other == hull) {
+        does_stay = does_stay || label == 0;
+        continue;
       }
-    if (static_cast<std::int64_t>(piece.size()) > crumb_cells || (label == 0 && on_hull)) continue;
+      if (t.label_of(other) != label || std::find(piece.begin(), piece.end(), other) != piece.end()) continue;
+      does_stay = does_stay || seen[static_cast<std::size_t>(other)] != 0;
+      piece.push_back(other);
+    }
+  for (const auto cell : piece) seen[static_cast<std::size_t>(cell)] = 1;
+  return !does_stay && piece.size() <= most;
+}
+
+// `changes` since this was last done.
+std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells, const Changes& changes, Changes& made) {
+  std::int64_t changed = 0;
+  Seen seen(t.cells->size(), 0);
+  std::vector<std::int32_t> piece;
+  for (const auto seed : cells_at_interfaces(t, changes)) {
+    if (seen[static_cast<std::size_t>(seed)] != 0 || !find_crumb(t, seed, crumb_cells, seen, piece)) continue;
+    const auto label = t.label_of(seed);
     const auto other = most_touched(t, piece, [&](std::int32_t l) { return l != label; });
     if (other < 0) continue;
     for (const auto cell : piece) (*t.label)[static_cast<std::size_t>(cell)] = other;
@@ -177,7 +122,7 @@ std::vector<Part> parts_of_star(const Tetrahedra& t, std::int32_t node, const La
       for (std::size_t corner = 0; corner < 4; ++corner) {
         const auto cell = part.cells[next];
         if (t.cell(cell)[corner] == node) continue;  // the face opposite to the node
-        const auto neighbour = t.around(cell)[corner];
+        const auto neighbour = t.across(cell, corner);
         on_hull |= neighbour < 0;
         if (neighbour < 0 || inside(neighbour) != part.inside) continue;
         const auto other = place(neighbour);
@@ -217,53 +162,55 @@ const Part* part_to_change(const std::vector<Part>& parts, bool only_inner) {
   return smallest;
 }
 
-// As many parts as parts_of_star finds, without their cells. `star` has at most 64.
-int count_parts(const Tetrahedra& t, std::int32_t node, std::span<const std::int32_t> star, const LabelSet& set) {
-  constexpr std::uint8_t none = 64;
-  std::array<std::array<std::uint8_t, 3>, 64> beside;  // places in the star of the cells across three faces
-  std::array<bool, 64> inside, seen{}, on_hull{};
-  for (std::size_t i = 0; i < star.size(); ++i) inside[i] = set[static_cast<std::size_t>(t.label_of(star[i]))];
-  for (std::size_t i = 0; i < star.size(); ++i) {
-    const Cell& cell = t.cell(star[i]);
-    const auto& around = t.around(star[i]);
-    std::size_t count = 0;
+/// Some faces at a node that part a set from its complement, by their two other nodes.
+struct Rim {
+  std::array<std::array<std::int32_t, 2>, 24> edges;
+  std::size_t count = 0;
+};
+
+// False where they are too many, or the node lies on the hull.
+bool collect_rim(const Tetrahedra& t, std::int32_t node, const LabelSet& set, Rim& rim) {
+  const auto inside = [&](std::int32_t cell) { return set[static_cast<std::size_t>(t.label_of(cell))]; };
+  for (const auto c : t.star.of(node)) {
+    if (!inside(c)) continue;
+    const Cell& cell = t.cell(c);
     for (std::size_t corner = 0; corner < 4; ++corner) {
       if (cell[corner] == node) continue;  // the face opposite to the node
-      const auto neighbour = around[corner];
-      on_hull[i] = on_hull[i] || neighbour < 0;
-      const auto found = neighbour < 0 ? star.end() : std::lower_bound(star.begin(), star.end(), neighbour);
-      const auto place = static_cast<std::size_t>(found - star.begin());
-      beside[i][count++] = neighbour < 0 || inside[place] != inside[i] ? none : static_cast<std::uint8_t>(place);
+      const auto other = t.across(c, corner);
+      if (other == hull) return false;
+      if (inside(other)) continue;
+      if (rim.count == rim.edges.size()) return false;
+      auto& edge = rim.edges[rim.count++];
+      std::size_t i = 0;
+      for (const auto at : face_corners[corner])
+        if (cell[at] != node) edge[i++] = cell[at];
     }
   }
-  int parts = 0;
-  bool has_hull = false;
-  std::array<std::uint8_t, 64> queue;
-  for (std::size_t seed = 0; seed < star.size(); ++seed) {
-    if (seen[seed]) continue;
-    std::size_t end = 0;
-    queue[end++] = static_cast<std::uint8_t>(seed);
-    seen[seed] = true;
-    bool is_on_hull = false;
-    for (std::size_t next = 0; next < end; ++next) {
-      is_on_hull = is_on_hull || on_hull[queue[next]];
-      for (const auto other : beside[queue[next]])
-        if (other != none && !seen[other]) {
-          seen[other] = true;
-          queue[end++] = other;
-        }
+  return true;
+}
+
+// Whether the edges make one simple closed line: then it parts the sphere around the node in two.
+bool is_one_line(Rim& rim) {
+  if (rim.count < 3) return false;
+  auto at = rim.edges[0][1];
+  for (std::size_t done = 1; done < rim.count; ++done) {
+    std::size_t next = rim.count;
+    for (std::size_t e = done; e < rim.count; ++e) {
+      if (rim.edges[e][0] != at && rim.edges[e][1] != at) continue;
+      if (next != rim.count) return false;
+      next = e;
     }
-    has_hull = has_hull || is_on_hull;
-    if (!is_on_hull || inside[seed]) ++parts;
+    if (next == rim.count) return false;
+    std::swap(rim.edges[done], rim.edges[next]);
+    at = rim.edges[done][0] == at ? rim.edges[done][1] : rim.edges[done][0];
   }
-  return parts + (has_hull ? 1 : 0);
+  return at == rim.edges[0][0];
 }
 
 // Whether the set or its complement falls apart at a node.
 bool falls_apart(const Tetrahedra& t, std::int32_t node, const LabelSet& set) {
   if (!is_mixed(t, node, set)) return false;
-  const auto star = t.star.of(node);
-  if (star.size() <= 64) return count_parts(t, node, star, set) > 2;
+  if (Rim rim; collect_rim(t, node, set, rim) && is_one_line(rim)) return false;
   return parts_of_star(t, node, set).size() > 2;
 }
 
@@ -326,8 +273,11 @@ std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<
   auto t = connect(nodes_mm, cells, label);
   std::int64_t total = 0;
   const auto nodes = nodes_mm.size();
-  std::vector<Changes> changes(manifold_sets.size(), Changes(nodes, 1));  // since each set was last looked at
+  // Since crumbs and each set were last looked at; at first, where anything can be wrong.
+  Changes for_crumbs = t.is_mixed;
+  std::vector<Changes> changes(manifold_sets.size(), t.is_mixed);
   const auto spread = [&](const Changes& made) {
+    for (std::size_t n = 0; n < nodes; ++n) for_crumbs[n] |= made[n];
     for (auto& of_set : changes)
       for (std::size_t n = 0; n < nodes; ++n) of_set[n] |= made[n];
   };
@@ -335,7 +285,8 @@ std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<
     // The two steps can undo each other's work for ever; a manifold boundary matters more than a crumb.
     std::int64_t changed = 0;
     Changes made(nodes, 0);
-    if (round < crumb_rounds) changed += absorb_crumbs(t, crumb_cells, made);
+    if (round < crumb_rounds) changed += absorb_crumbs(t, crumb_cells, for_crumbs, made);
+    for_crumbs.assign(nodes, 0);
     spread(made);
     for (std::size_t s = 0; s < manifold_sets.size(); ++s) {
       made.assign(nodes, 0);

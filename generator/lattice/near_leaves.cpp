@@ -1,0 +1,113 @@
+#include "generator/lattice/near_leaves.hpp"
+
+#include <array>
+
+#include "generator/parallel/gather.hpp"
+#include "generator/parallel/threads.hpp"
+
+namespace heart::lattice {
+namespace {
+
+void label_corners(const Octree& tree, const std::function<int(const Vec3&)>& label_at, NearLeaves& near) {
+  near.corner_label.resize(tree.corner_offset({0, 0, tree.size[2] + 1}));
+  parallel::parallel_for(0, tree.size[2] + 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = static_cast<std::int32_t>(begin); k < end; ++k)
+      for (std::int32_t j = 0; j <= tree.size[1]; ++j)
+        for (std::int32_t i = 0; i <= tree.size[0]; ++i) {
+          if (!is_leaf_corner(tree, {i, j, k})) continue;
+          const Vec3 at = tree.position_mm({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+          near.corner_label[tree.corner_offset({i, j, k})] = static_cast<std::uint8_t>(label_at(at));
+        }
+  });
+}
+
+// Corners of finer leaves on its faces and edges count: half-way between its own.
+bool has_labelled_corner(const Octree& tree, const Leaf& leaf, const NearLeaves& near) {
+  const std::int32_t width = 1 << leaf.level, step = leaf.level == 0 ? 1 : width / 2;
+  for (std::int32_t k = 0; k <= width; k += step)
+    for (std::int32_t j = 0; j <= width; j += step)
+      for (std::int32_t i = 0; i <= width; i += step)
+        if (near.corner_label[tree.corner_offset({leaf.low[0] + i, leaf.low[1] + j, leaf.low[2] + k})] != 0)
+          return true;
+  return false;
+}
+
+// The lattice has a node in the middle of a leaf's face in a side of the box.
+bool has_labelled_side(const Octree& tree, const Leaf& leaf, const std::function<int(const Vec3&)>& label_at) {
+  const std::int32_t width = 1 << leaf.level;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const std::int32_t plane : {leaf.low[axis], leaf.low[axis] + width}) {
+      if (plane != 0 && plane != tree.size[axis]) continue;
+      std::array<double, 3> middle;
+      for (std::size_t a = 0; a < 3; ++a) middle[a] = leaf.low[a] + 0.5 * width;
+      middle[axis] = plane;
+      if (label_at(tree.position_mm(middle)) != 0) return true;
+    }
+  return false;
+}
+
+void label_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at, NearLeaves& near) {
+  near.center_label.resize(tree.level.size());
+  near.is_near.resize(tree.level.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(tree.leaves.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto l = static_cast<std::size_t>(begin); l < static_cast<std::size_t>(end); ++l) {
+      const Leaf& leaf = tree.leaves[l];
+      const double half = 0.5 * (1 << leaf.level);
+      const int label = label_at(tree.position_mm({leaf.low[0] + half, leaf.low[1] + half, leaf.low[2] + half}));
+      const auto at = tree.offset(leaf.low);
+      near.center_label[at] = static_cast<std::uint8_t>(label);
+      near.is_near[at] = label != 0 || has_labelled_corner(tree, leaf, near) || has_labelled_side(tree, leaf, label_at);
+    }
+  });
+}
+
+// Leaves that share a corner with one, half-way corners included, or only those that share a face.
+void collect_around(const Octree& tree, const Leaf& leaf, bool only_faces, const NearLeaves& near,
+                    std::vector<Leaf>& found) {
+  const std::int32_t width = 1 << leaf.level;
+  const std::array<std::int32_t, 4> steps{-1, width, 0, width / 2};
+  const std::size_t different = leaf.level == 0 ? 3 : 4;
+  for (std::size_t k = 0; k < different; ++k)
+    for (std::size_t j = 0; j < different; ++j)
+      for (std::size_t i = 0; i < different; ++i) {
+        const int outside = static_cast<int>(i < 2) + static_cast<int>(j < 2) + static_cast<int>(k < 2);
+        if (outside == 0 || (only_faces && outside > 1)) continue;
+        const Place beside{leaf.low[0] + steps[i], leaf.low[1] + steps[j], leaf.low[2] + steps[k]};
+        if (!tree.contains(beside)) continue;
+        const Leaf other = tree.leaf_over(beside);
+        if (near.is_near[tree.offset(other.low)] == 0) found.push_back(other);
+      }
+}
+
+// Makes what lies around some leaves near; returns what was not.
+std::vector<Leaf> add_around(const Octree& tree, const std::vector<Leaf>& leaves, bool only_faces, NearLeaves& near) {
+  auto found = parallel::gather<Leaf>(
+      0, static_cast<std::int64_t>(leaves.size()), [&](std::int64_t begin, std::int64_t end, std::vector<Leaf>& own) {
+        for (auto l = begin; l < end; ++l)
+          collect_around(tree, leaves[static_cast<std::size_t>(l)], only_faces, near, own);
+      });
+  std::erase_if(found, [&](const Leaf& leaf) {
+    auto& is_near = near.is_near[tree.offset(leaf.low)];
+    const bool was_near = is_near != 0;
+    is_near = 1;
+    return was_near;
+  });
+  return found;
+}
+
+}  // namespace
+
+NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at) {
+  NearLeaves near;
+  label_corners(tree, label_at, near);
+  label_leaves(tree, label_at, near);
+  std::vector<Leaf> labelled;
+  for (const auto& leaf : tree.leaves)
+    if (near.is_near[tree.offset(leaf.low)] != 0) labelled.push_back(leaf);
+  const auto beside = add_around(tree, labelled, true, near);
+  add_around(tree, beside, true, near);
+  add_around(tree, labelled, false, near);
+  return near;
+}
+
+}  // namespace heart::lattice

@@ -233,16 +233,16 @@ void add_atlas_rows(const std::string& scope, const DepthSamples& atlas, const D
     const char* name;
     double low, high;
   };
-  for (const auto& [name, low, high] : {End{"endocardium", 0.05, 0.2}, End{"epicardium", 0.8, 0.95}}) {
-    const auto whole = helix_between(atlas, low, high), ours = helix_between(carried, low, high);
+  for (const End& end : {End{"endocardium", 0.05, 0.2}, End{"epicardium", 0.8, 0.95}}) {
+    const auto whole = helix_between(atlas, end.low, end.high), ours = helix_between(carried, end.low, end.high);
     if (!whole || !ours) continue;
     const auto add_difference = [&](const char* against, double own) {
-      report.push_back(row(scope, std::string("helix_") + name + "_off_atlas" + against,
+      report.push_back(row(scope, std::string("helix_") + end.name + "_off_atlas" + against,
                            std::abs(std::remainder(*ours - own, 180.0)), "deg"));
     };
-    report.push_back(row(scope, std::string("atlas_helix_") + name, *whole, "deg"));
+    report.push_back(row(scope, std::string("atlas_helix_") + end.name, *whole, "deg"));
     add_difference("", *whole);
-    if (const auto own = helix_between(there, low, high)) add_difference("_at_same_places", *own);
+    if (const auto own = helix_between(there, end.low, end.high)) add_difference("_at_same_places", *own);
   }
 }
 

@@ -246,7 +246,7 @@ std::vector<Face> fit_places(Complex& complex, const Materials& materials, const
 std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
                        const FitSettings& settings) {
   constexpr int rings = 3;  // of cells around a face; where they have no way out, one more may
-  constexpr std::size_t usual_cells = 500'000;
+  constexpr std::size_t usual_cells = 1'500'000;
   const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
   auto work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(cells));
   const auto fit_at = [&](std::vector<Face> faces, int size) {

@@ -47,8 +47,10 @@ Scene make_scene(double valve_mm, double noise_hu) {
   for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
     double sum = 0;
     const double noise = testing::noise(bits);
-    for (int part = 0; part < 27; ++part)
-      sum += hu_at({p.x + 0.5 * (part % 3 - 1), p.y + 0.5 * (part / 3 % 3 - 1), p.z + 0.5 * (part / 9 - 1)}, valve_mm);
+    for (int part = 0; part < 27; ++part) {
+      const int a = part % 3 - 1, b = part / 3 % 3 - 1, c = part / 9 - 1;
+      sum += hu_at(p + Vec3{0.5 * a, 0.5 * b, 0.5 * c}, valve_mm);
+    }
     scene.image.hu.voxels[v] = static_cast<float>(sum / 27 + noise_hu * noise);
     if (radial_mm(p) < radius_mm)
       scene.chambers.voxels[v] = tag(dot(p, axis) < 0 ? Region::rv_blood : Region::pulmonary_artery);

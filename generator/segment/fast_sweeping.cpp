@@ -224,11 +224,11 @@ void sweep_row(Distances& d, const Sweep& s, std::int64_t j, std::int64_t k) {
     if (kept[i]) continue;
     float* here = row + i;
     const double sign = *here < 0 ? -1 : 1, own = sign * *here;
-    const auto term = [&](std::size_t axis, std::int64_t place) {
-      const auto [step, size, weight] = s.axes[axis];
-      return upwind_term(weight, second_order, [&](std::int64_t steps) {
-        const bool exists = (everywhere && axis != 0) || (place + steps >= 0 && place + steps < size);
-        return exists ? sign * here[steps * step] : double{unknown};
+    const auto term = [&](std::size_t a, std::int64_t place) {
+      const Axis& axis = s.axes[a];
+      return upwind_term(axis.weight, second_order, [&](std::int64_t steps) {
+        const bool exists = (everywhere && a != 0) || (place + steps >= 0 && place + steps < axis.size);
+        return exists ? sign * here[steps * axis.step] : double{unknown};
       });
     };
     const std::array terms{term(0, i), term(1, j), term(2, k)};

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "generator/lattice/balance.hpp"
@@ -92,7 +94,37 @@ struct Around {
   std::vector<Face> faces;  // node n of the part as -1 - n
 };
 
-Around faces_around(const Complex& whole, const std::vector<Face>& outer, const Place& place) {
+/// Faces in the order of their lowest points, so that those around a place are found without looking at all.
+struct FacesByHeight {
+  std::vector<Face> faces;
+  std::vector<double> low_z_mm;
+  double tallest_mm = 0;
+
+  std::span<const Face> between(double low_mm, double high_mm) const {
+    const auto first = std::ranges::lower_bound(low_z_mm, low_mm - tallest_mm) - low_z_mm.begin();
+    const auto last = std::ranges::upper_bound(low_z_mm, high_mm) - low_z_mm.begin();
+    return std::span(faces).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
+  }
+};
+
+FacesByHeight by_height(const Complex& c, const std::vector<Face>& faces) {
+  FacesByHeight result;
+  std::vector<std::pair<double, Face>> order;
+  order.reserve(faces.size());
+  for (const auto& face : faces) {
+    const auto [low, high] = std::minmax({c.at(face[0]).z, c.at(face[1]).z, c.at(face[2]).z});
+    order.emplace_back(low, face);
+    result.tallest_mm = std::max(result.tallest_mm, high - low);
+  }
+  std::sort(order.begin(), order.end());
+  for (const auto& [low, face] : order) {
+    result.faces.push_back(face);
+    result.low_z_mm.push_back(low);
+  }
+  return result;
+}
+
+Around faces_around(const Complex& whole, const FacesByHeight& outer, const Place& place) {
   Vec3 low = place.part.nodes_mm[0], high = low;
   for (const auto& p : place.part.nodes_mm) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -107,7 +139,7 @@ Around faces_around(const Complex& whole, const std::vector<Face>& outer, const 
     return false;
   };
   Around around;
-  for (Face face : outer) {
+  for (Face face : outer.between(low.z, high.z)) {
     if (is_beside(face)) continue;
     bool is_part = false;
     for (auto& n : face) {
@@ -222,7 +254,8 @@ std::vector<Face> fit_places(Complex& complex, const Materials& materials, const
   std::vector<Face> missed;
   while (!faces.empty() && work_left > 0) {
     auto jobs = separate_places(complex, faces, rings, work_left);
-    const auto outer = outer_faces(complex);
+    if (jobs.empty()) break;
+    const auto outer = by_height(complex, outer_faces(complex));
     std::vector<std::function<void()>> tasks;
     tasks.reserve(jobs.size());
     for (auto& job : jobs)

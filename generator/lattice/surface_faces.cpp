@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "generator/lattice/feature.hpp"
 #include "generator/parallel/gather.hpp"
 
 namespace heart::lattice {
@@ -12,7 +13,7 @@ void add_faces_of(const Complex& c, std::int32_t t, std::vector<SurfaceFace>& fa
   for (std::size_t i = 0; i < 4; ++i) {
     const auto a = cell[(i + 1) % 4], b = cell[(i + 2) % 4], d = cell[(i + 3) % 4];
     const LabelBits shared = c.bits(a) & c.bits(b) & c.bits(d);
-    if (std::popcount(shared & ~side_bits) < 2 || (shared & side_bits) != 0) continue;
+    if ((shared & side_bits) != 0 || !is_constrained(shared)) continue;
     const auto pair = cells_at_face(c, a, b, d);
     const auto other = pair[0] == t ? pair[1] : pair[0];
     if (other >= 0 && other < t) continue;  // seen from there

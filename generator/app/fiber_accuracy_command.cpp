@@ -323,11 +323,14 @@ void add_rows(const Patient& patient, HelixField field, const fibers::Hearts& he
   for (const auto& tensor : at_nodes.axes) axes.push_back(atlas::leading_axis(tensor));
   const auto known_nodes = known_at_nodes(patient, field, mesh);
   row("nodes", known_nodes, at_sources(known_nodes, axes), at_nodes.seconds);
-  for (Vec3& axis : axes)
-    if (norm(axis) < 0.5) axis = {1, 0, 0};  // counted in "nodes" as not covered
+  const auto is_covered = [&](std::int32_t n) { return trace(at_nodes.axes[static_cast<std::size_t>(n)]) > 0; };
+  for (std::size_t n = 0; n < axes.size(); ++n)
+    if (!is_covered(static_cast<std::int32_t>(n))) axes[n] = {1, 0, 0};
   const auto nodes = fibers::node_frames(axes, std::vector<Vec3>(axes.size(), {0, 0, 1}));
   auto cells = fibers::cell_frames(mesh, nodes);
   fibers::carry_to_steep_cells(hearts, mesh, nodes, name.method, cells);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (!std::ranges::all_of(mesh.cells[c], is_covered)) cells.fiber[c] = {};
   const auto known_cells = known_at_cells(patient, field, mesh);
   row("cells", known_cells, at_sources(known_cells, cells.fiber), at_nodes.seconds);
 }

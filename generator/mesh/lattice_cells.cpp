@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <limits>
 
 #include "generator/lattice/balance.hpp"
 #include "generator/lattice/draw.hpp"
 #include "generator/lattice/fit.hpp"
-#include "generator/lattice/repair.hpp"
 #include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
 #include "generator/lattice/stuff.hpp"
@@ -48,6 +46,20 @@ lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& s
   return materials;
 }
 
+void StepWatch::note(const std::string& step) {
+  const auto now = std::chrono::steady_clock::now();
+  if (report != nullptr) report->add(step, std::chrono::duration<double>(now - last).count());
+  last = now;
+}
+
+std::int64_t repair_on_curves(lattice::Complex& complex, const lattice::Materials& materials,
+                              const lattice::RepairSettings& settings) {
+  lattice::draw_to_curves(complex, materials, lattice::StuffSettings{}.least_quality);
+  const auto below_goal = lattice::repair(complex, materials, settings);
+  lattice::draw_to_curves(complex, materials, settings.least);
+  return below_goal;
+}
+
 void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
   std::vector<std::int32_t> label(complex.label.begin(), complex.label.end());
   settle_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
@@ -57,18 +69,6 @@ void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, 
 }
 
 namespace {
-
-/// Adds the wall time of each step to a report.
-struct Stopwatch {
-  using Clock = std::chrono::steady_clock;
-  LatticeReport* report;
-  Clock::time_point last = Clock::now();
-  void note(const char* step) {
-    const auto now = Clock::now();
-    if (report != nullptr) report->add(step, std::chrono::duration<double>(now - last).count());
-    last = now;
-  }
-};
 
 struct Attempt {
   lattice::Complex complex;
@@ -82,18 +82,16 @@ bool is_better(const Attempt& a, const Attempt& b) {
 }
 
 Attempt attempt(const lattice::Materials& materials, double reach, std::span<const LabelSet> manifold_sets,
-                std::int64_t crumb_cells, const LatticeAims& aims, Stopwatch& watch) {
+                std::int64_t crumb_cells, const LatticeAims& aims, StepWatch& watch) {
   lattice::StuffSettings stuffing;
   stuffing.edge_reach = reach;
   Attempt made{lattice::stuff(materials, stuffing)};
   watch.note("stuff");
   settle(made.complex, manifold_sets, crumb_cells);
   watch.note("settle");
-  lattice::draw_to_curves(made.complex, materials, stuffing.least_quality);
   lattice::RepairSettings repairing;
   repairing.least = aims.least;
-  made.below_goal = lattice::repair(made.complex, materials, repairing);
-  lattice::draw_to_curves(made.complex, materials, repairing.least);
+  made.below_goal = repair_on_curves(made.complex, materials, repairing);
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, repairing.least);
   watch.note("balance");
@@ -136,7 +134,7 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
 
 lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report, const LatticeAims& aims) {
-  Stopwatch watch{report};
+  StepWatch watch{report};
   Attempt best;
   for (const double reach : reaches) {
     auto made = attempt(materials, reach, manifold_sets, crumb_cells, aims, watch);

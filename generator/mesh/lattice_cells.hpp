@@ -1,5 +1,6 @@
 // The lattice back end for label maps: the domain of a label map as materials, stuffed, settled and repaired.
 #pragma once
+#include <chrono>
 #include <functional>
 #include <string>
 #include <utility>
@@ -7,6 +8,7 @@
 
 #include "generator/adapters/cgal_mesher.hpp"
 #include "generator/lattice/complex.hpp"
+#include "generator/lattice/repair.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/settle_labels.hpp"
 
@@ -23,6 +25,13 @@ struct LatticeReport {
   }
 };
 
+/// Tells a report, if there is one, what each step took.
+struct StepWatch {
+  LatticeReport* report;
+  std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+  void note(const std::string& step);
+};
+
 /// Qualities (lattice/quality.hpp) that the repair works for.
 struct LatticeAims {
   double least = 0.49;              ///< cells below are worth every means
@@ -37,6 +46,10 @@ lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& s
 
 /// Gives the cells of a complex that has just been stuffed their final labels (settle_labels) and drops those outside.
 void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells);
+
+/// Repairs a settled complex, the nodes of its curves on them; returns how many cells stay below the goal.
+std::int64_t repair_on_curves(lattice::Complex& complex, const lattice::Materials& materials,
+                              const lattice::RepairSettings& settings);
 
 /// The cells of a complex whose nodes are in mm along the axes of the grid.
 adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& grid);

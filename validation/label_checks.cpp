@@ -13,37 +13,65 @@ namespace {
 
 constexpr double mm3_per_ml = 1000;
 
+/// A stretch of one label along a row; `root`: a run of the same component that comes no later.
+struct Run {
+  std::int64_t begin, end;
+  std::uint8_t label;
+  std::size_t root;
+};
+
+std::size_t first_of(std::vector<Run>& runs, std::size_t run) {
+  while (runs[run].root != run) run = runs[run].root = runs[runs[run].root].root;
+  return run;
+}
+
+/// Joins two runs of neighbouring rows where they have one label and touch, if only at corners.
+void join(std::vector<Run>& runs, std::size_t a, std::size_t b) {
+  const bool touch = runs[a].begin <= runs[b].end && runs[b].begin <= runs[a].end;
+  if (!touch || runs[a].label != runs[b].label) return;
+  const auto one = first_of(runs, a), two = first_of(runs, b);
+  runs[std::max(one, two)].root = std::min(one, two);
+}
+
+void join_rows(std::vector<Run>& runs, std::array<std::size_t, 2> row, std::array<std::size_t, 2> other) {
+  auto [a, a_end] = row;
+  auto [b, b_end] = other;
+  while (a < a_end && b < b_end) {
+    join(runs, a, b);
+    if (runs[a].end == runs[b].end && a + 1 < a_end) join(runs, a + 1, b);
+    ++(runs[a].end < runs[b].end ? a : b);
+  }
+}
+
 /// Sizes (voxels) of the 26-connected components, per region tag.
 std::vector<std::vector<std::size_t>> component_sizes(const LabelVolume& labels) {
-  std::vector<std::vector<std::size_t>> sizes(256);
-  std::vector<std::uint8_t> seen(labels.voxels.size(), 0);
-  std::vector<Index3> stack;
   const auto& size = labels.grid.size;
-  const auto flood = [&](std::uint8_t region) {
-    std::size_t count = 0;
-    while (!stack.empty()) {
-      const Index3 at = stack.back();
-      stack.pop_back();
-      ++count;
-      for (int step = 0; step < 27; ++step) {
-        const std::int64_t i = at[0] + step % 3 - 1, j = at[1] + step / 3 % 3 - 1, k = at[2] + step / 9 - 1;
-        if (!labels.grid.contains(i, j, k) || labels(i, j, k) != region) continue;
-        auto& visited = seen[static_cast<std::size_t>(labels.grid.offset(i, j, k))];
-        if (!visited) stack.push_back({i, j, k});
-        visited = 1;
-      }
+  std::vector<Run> runs;
+  std::vector<std::size_t> first_run{0};  // of each row, and past the last one
+  for (std::int64_t row = 0; row < size[1] * size[2]; ++row) {
+    const auto* label = labels.voxels.data() + row * size[0];
+    for (std::int64_t i = 0, end = 0; i < size[0]; i = end) {
+      while (end < size[0] && label[end] == label[i]) ++end;
+      if (label[i] != 0) runs.push_back({i, end, label[i], runs.size()});
     }
-    return count;
+    first_run.push_back(runs.size());
+  }
+  const auto runs_of = [&](std::int64_t j, std::int64_t k) {
+    const auto row = static_cast<std::size_t>(k * size[1] + j);
+    return std::array{first_run[row], first_run[row + 1]};
   };
-  std::size_t v = 0;
   for (std::int64_t k = 0; k < size[2]; ++k)
-    for (std::int64_t j = 0; j < size[1]; ++j)
-      for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
-        if (seen[v] || labels.voxels[v] == 0) continue;
-        seen[v] = 1;
-        stack.push_back({i, j, k});
-        sizes[labels.voxels[v]].push_back(flood(labels.voxels[v]));
-      }
+    for (std::int64_t j = 0; j < size[1]; ++j) {
+      if (j > 0) join_rows(runs, runs_of(j, k), runs_of(j - 1, k));
+      for (auto beside = std::max<std::int64_t>(j - 1, 0); k > 0 && beside <= std::min(j + 1, size[1] - 1); ++beside)
+        join_rows(runs, runs_of(j, k), runs_of(beside, k - 1));
+    }
+  std::vector<std::size_t> voxels(runs.size(), 0);
+  for (std::size_t r = 0; r < runs.size(); ++r)
+    voxels[first_of(runs, r)] += static_cast<std::size_t>(runs[r].end - runs[r].begin);
+  std::vector<std::vector<std::size_t>> sizes(256);
+  for (std::size_t r = 0; r < runs.size(); ++r)
+    if (voxels[r] > 0) sizes[runs[r].label].push_back(voxels[r]);
   return sizes;
 }
 

@@ -2,6 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "model/labels.hpp"
 #include "synthetic_heart.hpp"
 #include "validation/report_tables.hpp"
 
@@ -47,6 +55,56 @@ TEST(LabelChecks, CountsComponentsByCorners) {
   const Report report = check_labels(labels, {});
   EXPECT_EQ(value(report, "aorta", "components"), 2);
   EXPECT_EQ(value(report, "aorta", "largest_component"), 0.75);
+}
+
+/// Components of a label by the slow clear way: every voxel takes the least number around it until nothing changes.
+std::pair<std::size_t, double> components_by_spreading(const LabelVolume& labels, std::uint8_t label) {
+  const Grid& grid = labels.grid;
+  std::vector<std::int64_t> number(labels.voxels.size());
+  std::iota(number.begin(), number.end(), 0);
+  const auto least_around = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    auto least = number[static_cast<std::size_t>(grid.offset(i, j, k))];
+    for (auto z = k - 1; z <= k + 1; ++z)
+      for (auto y = j - 1; y <= j + 1; ++y)
+        for (auto x = i - 1; x <= i + 1; ++x)
+          if (grid.contains(x, y, z) && labels(x, y, z) == label)
+            least = std::min(least, number[static_cast<std::size_t>(grid.offset(x, y, z))]);
+    return least;
+  };
+  std::map<std::int64_t, double> size;
+  for (bool changed = true; changed;) {
+    changed = false;
+    size.clear();
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+      for (std::int64_t j = 0; j < grid.size[1]; ++j)
+        for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+          if (labels(i, j, k) != label) continue;
+          auto& own = number[static_cast<std::size_t>(grid.offset(i, j, k))];
+          const auto least = least_around(i, j, k);
+          changed = changed || least != own;
+          own = least;
+          ++size[own];
+        }
+  }
+  double total = 0, largest = 0;
+  for (const auto& [first, count] : size) total += count, largest = std::max(largest, count);
+  return {size.size(), largest / total};
+}
+
+TEST(LabelChecks, ComponentsAreThoseOfASlowSearch) {
+  std::mt19937 random(3);
+  Grid grid;
+  grid.size = {13, 9, 11};
+  for (const unsigned others : {2U, 4U, 7U}) {
+    LabelVolume labels(grid);
+    for (auto& voxel : labels.voxels) voxel = static_cast<std::uint8_t>(random() % others + 1);
+    const Report report = check_labels(labels, {});
+    for (std::uint8_t label = 1; label <= others; ++label) {
+      const auto [count, largest] = components_by_spreading(labels, label);
+      EXPECT_EQ(value(report, region_name(label).c_str(), "components"), static_cast<double>(count));
+      EXPECT_DOUBLE_EQ(value(report, region_name(label).c_str(), "largest_component"), largest);
+    }
+  }
 }
 
 TEST(LabelChecks, JudgesOnlyWhatIsNeeded) {

@@ -17,8 +17,8 @@ struct Slabs {
   std::size_t of(const Vec3& p) const;
 };
 
-/// At most `most_slabs`, each at least so many cells wide: with 1, no two nodes of slabs that are not neighbours share a
-/// cell.
+/// At most `most_slabs`, each at least so many cells wide: with 1, no two nodes of slabs that are not neighbours share
+/// a cell.
 Slabs slabs_across(const Complex& complex, int cells, std::size_t most_slabs);
 
 /// Calls work(i) once for each of `count` items: in the order of the items inside a slab, first in all slabs with even

@@ -24,7 +24,7 @@ constexpr double papillary_mm = 6;       // half the width of the gaps in the le
 constexpr double sharp_mm = 2.6;         // farther from them it is not
 constexpr double most_evidence = 1;      // nats per mm³: no single voxel decides alone
 constexpr double unseen_mm = 0.75;       // off the usual thin wall: less cannot be told from noise
-constexpr float nowhere_mm = 1e6F;
+constexpr float far_mm = 40;             // from walls no distance is asked for
 constexpr int sweeps = 200;
 
 double median_of(std::vector<float>& values, double otherwise) {
@@ -88,8 +88,8 @@ double contour_cost(double information) {
 /// Distance (mm) from where `level` is negative, sub-voxel; negative there.
 Volume<float> distance_from_negative(const Volume<float>& level) {
   if (std::none_of(level.voxels.begin(), level.voxels.end(), [](float v) { return v < 0; }))
-    return Volume<float>(level.grid, nowhere_mm);
-  return fast_sweeping(level);
+    return Volume<float>(level.grid, far_mm);
+  return fast_sweeping(level, far_mm);
 }
 
 /// The mask's voxel-sharp surface is smoothed by less than a voxel.

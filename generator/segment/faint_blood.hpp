@@ -21,8 +21,8 @@ namespace heart::segment {
 constexpr double blurred_mm = 1.4;    ///< nearer to fat and bright blood the grey value is a mixture
 constexpr double blood_reach_mm = 6;  ///< from the compartment to the farthest blood
 
-/// Distances (mm) from the surfaces that walls are measured from, sub-voxel, 0 behind them; on a grid of equal
-/// spacings.
+/// Distances (mm, 40 at most) from the surfaces that walls are measured from, sub-voxel, 0 behind them; on a grid of
+/// equal spacings.
 struct WallDistances {
   Volume<float> from_outside;     ///< epicardial fat, lung and air
   Volume<float> from_lv;          ///< blood of the left ventricle, its papillary muscles included

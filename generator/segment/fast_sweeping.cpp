@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,7 +13,7 @@ namespace {
 using parallel::Comm;
 using parallel::Slab;
 
-constexpr float unknown = std::numeric_limits<float>::max();
+constexpr float unknown = any_distance_mm;
 
 /// Rounds of sweeps in all directions: distances settle in one or two where the closest points are seen straight ahead.
 constexpr int first_order_rounds = 2, second_order_rounds = 2;
@@ -211,6 +210,7 @@ struct Sweep {
   std::array<Axis, 3> axes;
   std::array<bool, 3> backwards;
   bool second_order;
+  double within;  ///< nothing is continued beyond this
 };
 
 /// `everywhere`: all places that the row's differences ask for lie in the image, along y and z.
@@ -233,7 +233,8 @@ void sweep_row(Distances& d, const Sweep& s, std::int64_t j, std::int64_t k) {
     };
     const std::array terms{term(0, i), term(1, j), term(2, k)};
     // No term is above the distance that follows from it.
-    if (!second_order && std::min({terms[0].value, terms[1].value, terms[2].value}) >= own) continue;
+    const double least = std::min({terms[0].value, terms[1].value, terms[2].value});
+    if (least >= s.within || (!second_order && least >= own)) continue;
     const double v = solve(terms);
     if (v < double{unknown} && (second_order || v < own)) *here = static_cast<float>(sign * v);
   }
@@ -305,7 +306,7 @@ void sweep(Distances& d, const Sweep& s, const Neighbours& ranks, const Comm& co
 }
 
 /// @collective
-void sweep_all_directions(Distances& d, bool second_order, const Comm& comm) {
+void sweep_all_directions(Distances& d, bool second_order, double within, const Comm& comm) {
   const Grid& grid = d.value.grid;
   std::array<Axis, 3> axes{};
   const std::array<std::int64_t, 3> steps{1, grid.size[0], grid.size[0] * grid.size[1]};
@@ -317,26 +318,27 @@ void sweep_all_directions(Distances& d, bool second_order, const Comm& comm) {
   for (unsigned direction = 0; direction < 8; ++direction) {
     const std::array<bool, 3> backwards{(direction & 1) != 0, (direction & 2) != 0, (direction & 4) != 0};
     if (backwards[2] && grid.size[2] == 1) continue;
-    sweep(d, {axes, backwards, second_order}, ranks, comm);
+    sweep(d, {axes, backwards, second_order, within}, ranks, comm);
   }
 }
 
 }  // namespace
 
-void fast_sweeping(Slab<float>& level_set, const Comm& comm) {
+void fast_sweeping(Slab<float>& level_set, const Comm& comm, float within_mm) {
   parallel::exchange_halo(level_set, comm);
   auto distances = start(level_set);
   const auto kept = std::ranges::count(distances.kept.owned(), std::uint8_t{1});
   if (parallel::sum_int64(comm, kept) == 0) return;
-  for (int round = 0; round < first_order_rounds; ++round) sweep_all_directions(distances, false, comm);
-  for (int round = 0; round < second_order_rounds; ++round) sweep_all_directions(distances, true, comm);
-  std::ranges::copy(distances.value.owned(), level_set.owned().begin());
+  for (int round = 0; round < first_order_rounds; ++round) sweep_all_directions(distances, false, within_mm, comm);
+  for (int round = 0; round < second_order_rounds; ++round) sweep_all_directions(distances, true, within_mm, comm);
+  std::ranges::transform(distances.value.owned(), level_set.owned().begin(),
+                         [&](float mm) { return std::clamp(mm, -within_mm, within_mm); });
   parallel::exchange_halo(level_set, comm);
 }
 
-Volume<float> fast_sweeping(const Volume<float>& level_set) {
+Volume<float> fast_sweeping(const Volume<float>& level_set, float within_mm) {
   auto slab = parallel::scatter(level_set, parallel::self());
-  fast_sweeping(slab, parallel::self());
+  fast_sweeping(slab, parallel::self(), within_mm);
   return parallel::gather(slab, parallel::self());
 }
 

@@ -12,17 +12,24 @@
 // (where distances have a kink and the error is up to half a voxel); 0.01 for planes where the closest point lies well
 // in the image. Beside the zero level and outside they fall at least with the square of the voxel.
 #pragma once
+#include <limits>
+
 #include "generator/parallel/slab.hpp"
 
 namespace heart::segment {
 
+/// Bound of distances that are wanted however far.
+constexpr float any_distance_mm = std::numeric_limits<float>::max();
+
 /// In place: mm, negative inside (where the function is negative), any spacing, 2D and 3D. One ghost slice at least.
 /// Without a zero level the function stays as it is. Ranks follow each other through blocks of rows, threads through
 /// the rows of a diagonal: each row finds what one thread would find, so the bits are the same for any number of them.
+/// Distances beyond `within_mm` become ±within_mm, and take hardly any time: waves run outwards, so those below are the
+/// same without them.
 /// @collective
-void fast_sweeping(parallel::Slab<float>& level_set, const parallel::Comm& comm);
+void fast_sweeping(parallel::Slab<float>& level_set, const parallel::Comm& comm, float within_mm = any_distance_mm);
 
 /// The same for a whole function. Not collective.
-Volume<float> fast_sweeping(const Volume<float>& level_set);
+Volume<float> fast_sweeping(const Volume<float>& level_set, float within_mm = any_distance_mm);
 
 }  // namespace heart::segment

@@ -16,6 +16,7 @@ constexpr double orifice_mm = 6;         // on both sides of the valve there is 
 constexpr double other_walls_mm = 1;     // end at least this far from grey values that speak for this wall;
 constexpr double off_other_left_mm = 5;  // those beside left atrium and aorta are thick and blurred
 constexpr double neighbours_mm = 5;      // on the wall, that speak together
+constexpr float far_mm = 40;             // from where atrium and the rest are divided no distance is asked for
 
 /// Signed distance from where atrium and the rest are divided, positive in the rest; the voxels' stairs smoothed.
 Volume<float> from_division(const LabelVolume& nearest) {
@@ -23,7 +24,7 @@ Volume<float> from_division(const LabelVolume& nearest) {
   Volume<float> level(nearest.grid);
   for (std::size_t v = 0; v < level.voxels.size(); ++v)
     level.voxels[v] = nearest.voxels[v] == tag(Region::ra_blood) ? -0.5F : 0.5F;
-  return fast_sweeping(gaussian(level, smoothing_mm));
+  return fast_sweeping(gaussian(level, smoothing_mm), far_mm);
 }
 
 /// Negative in the orifice.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "segment/pde_images.hpp"
 
 namespace heart::segment {
@@ -124,6 +126,19 @@ TEST(FastSweeping, MasksHaveTheirBorderHalfWayBetweenVoxels) {
 TEST(FastSweeping, LeavesWhatHasNoZeroLevel) {
   const Volume<float> one(grid_of({5, 4, 3}), 1);
   EXPECT_EQ(fast_sweeping(one).voxels, one.voxels);
+}
+
+/// Waves run outwards: what is nearer than the bound does not know of it.
+TEST(FastSweeping, ABoundLeavesWhatIsNearerAndHoldsTheRest) {
+  const auto ball = volume_of(cube(40, false), [](double x, double y, double z) { return length(x, y, z) - 7; });
+  constexpr float within = 4;
+  const auto all = fast_sweeping(ball), near = fast_sweeping(ball, within);
+  std::size_t bounded = 0;
+  for (std::size_t i = 0; i < all.voxels.size(); ++i) {
+    EXPECT_NEAR(near.voxels[i], std::clamp(all.voxels[i], -within, within), 1e-5) << i;
+    bounded += std::abs(near.voxels[i]) == within;
+  }
+  EXPECT_GT(bounded, all.voxels.size() / 4);
 }
 
 TEST(FastSweeping, HasTheSameBitsForAnyNumberOfThreads) {

@@ -130,7 +130,7 @@ TEST(Clients, OtherReadersAgreeWithTheBundle) {
   for (const auto& [name, mesh] : bundle.meshes)
     for (const auto& format : export_formats())
       export_mesh(format.name, read_mesh(folder / "bundle", name), name, folder / "exports" / format.name);
-  const auto script = fs::path(__FILE__).parent_path() / "../clients/check_exports.py";
+  const auto script = fs::path(HEART_TESTS_FOLDER) / "clients/check_exports.py";
   const std::string command = "/usr/bin/python3 '" + script.lexically_normal().string() + "' '" +
                               (folder / "bundle").string() + "' '" + (folder / "exports").string() + "' 2>&1";
   FILE* pipe = popen(command.c_str(), "r");

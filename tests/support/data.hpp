@@ -9,9 +9,8 @@ namespace heart::testing {
 /// Path of a file of the real data sets, or empty where they are absent: HEARTGEN_DATA, else ../shared/data.
 inline std::string real_data(const std::string& name) {
   const char* folder = std::getenv("HEARTGEN_DATA");
-  const auto path = (folder ? std::filesystem::path(folder)
-                            : std::filesystem::path(__FILE__).parent_path() / "../../../shared/data") /
-                    name;
+  const auto path =
+      (folder ? std::filesystem::path(folder) : std::filesystem::path(HEART_TESTS_FOLDER) / "../../shared/data") / name;
   return std::filesystem::exists(path) ? std::filesystem::weakly_canonical(path).string() : "";
 }
 

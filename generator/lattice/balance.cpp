@@ -1,6 +1,7 @@
 #include "generator/lattice/balance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -14,7 +15,7 @@ namespace {
 
 // The mean of a quadratic function over a triangle, from its values at the centre and at the corners.
 constexpr double share_of_center = 0.75, share_of_corner = 1.0 / 12;
-constexpr double most_shift = 0.05;  // of the lattice's width: farther from the surface no node goes
+constexpr double most_shift = 0.08;  // of the lattice's width: farther from the surface no node goes
 constexpr double evenness = 0.5;     // of what a node stands out from those around it, taken back in one round
 constexpr double least_slant = 0.5;  // of the surface against the sides
 
@@ -97,10 +98,34 @@ std::vector<Vec3> shifts_of(const Complex& c, const std::vector<SurfaceFace>& fa
   return shift;
 }
 
+// Where the centre of a face is far off, its nodes go to where the worst of the faces around them are equally far off
+// on both sides.
+std::vector<Vec3> shifts_at_worst(const Complex& c, const std::vector<SurfaceFace>& faces, const Measures& found) {
+  constexpr double far = 0.08;  // of the lattice's width
+  constexpr double step = 0.5;  // of the way of a face's centre, which all three nodes of the face move
+  std::vector<std::array<double, 2>> range(c.nodes_mm.size(), {0, 0});
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (const auto n : faces[f].nodes) {
+      const auto at = static_cast<std::size_t>(n);
+      if ((c.touches[at] & ~side_bits) != faces[f].labels) continue;
+      range[at] = {std::min(range[at][0], found.center[f]), std::max(range[at][1], found.center[f])};
+    }
+  std::vector<Vec3> shift(c.nodes_mm.size());
+  for (std::size_t n = 0; n < shift.size(); ++n) {
+    const auto [low, high] = range[n];
+    const double spacing = static_cast<double>(c.spacing_mm[n]), limit = most_shift * spacing;
+    if (std::max(-low, high) < far * spacing) continue;
+    const double own = found.node[n].distance;
+    const double wanted = std::clamp(own - step * (low + high), -limit, limit) - own;
+    shift[n] = along_normal(c.touches[n], found.node[n].normal, wanted);
+  }
+  return shift;
+}
+
 }  // namespace
 
 void balance_surfaces(Complex& c, const Materials& materials, double least_quality) {
-  constexpr int rounds = 4;
+  constexpr int rounds = 4, rounds_at_worst = 2;
   constexpr std::size_t fewest = 2000;  // faces of a slab: fewer are not worth a thread
   constexpr int most_cells = 2;         // between nodes that share one, although they have moved since
   constexpr double least_way = 1e-3;    // of the lattice's width
@@ -108,8 +133,9 @@ void balance_surfaces(Complex& c, const Materials& materials, double least_quali
   const auto faces = surface_faces(c);
   const auto slabs = slabs_across(c, most_cells, faces.size() / fewest);
   std::vector<std::int32_t> moved;
-  for (int round = 0; round < rounds; ++round) {
-    const auto shift = shifts_of(c, faces, measure(c, materials, faces));
+  for (int round = 0; round < rounds + rounds_at_worst; ++round) {
+    const auto found = measure(c, materials, faces);
+    const auto shift = round < rounds ? shifts_of(c, faces, found) : shifts_at_worst(c, faces, found);
     moved.clear();
     for (std::size_t n = 0; n < shift.size(); ++n)
       if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) &&

@@ -7,6 +7,7 @@
 
 #include "generator/lattice/balance.hpp"
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/surface_faces.hpp"
 #include "generator/parallel/threads.hpp"
 #include "lattice/shapes.hpp"
 
@@ -96,6 +97,26 @@ TEST(LatticeMesh, BalancedFacesLieCloseToTheSurfaceAndKeepItsVolume) {
     EXPECT_LE(distances[1], 0.3) << radius;
     const double exact = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
     EXPECT_NEAR(volume_of(c, 1), exact, 0.002 * exact) << radius;
+  }
+}
+
+Complex balanced(const Materials& m) {
+  auto c = mesh_of(m, thorough()).complex;
+  lattice::balance_surfaces(c, m, 0.49);
+  return c;
+}
+
+// Flat faces take much of what is as narrow as an edge is long: nodes go out far enough to give it back.
+TEST(LatticeMesh, BalancingReachesWhatIsNarrow) {
+  const double exact = 4.0 / 3 * std::numbers::pi * 2 * 2 * 2;
+  EXPECT_NEAR(volume_of(balanced(materials_of(ball(2), 6, 1.2)), 1), exact, 0.02 * exact);
+  const auto rod = [](const Vec3& p) { return 1.2 - std::hypot(p.x - 0.1 + 0.3 * p.z, p.y - 0.2 - 0.2 * p.z); };
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, rod}, 6, 1.2);
+  const auto c = balanced(m);
+  for (const auto& face : lattice::surface_faces(c)) {
+    const Vec3 a = c.at(face.nodes[0]), b = c.at(face.nodes[1]), d = c.at(face.nodes[2]);
+    const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
+    EXPECT_LE(lattice::distance_to(lattice::feature_at(m, face.labels, (a + b + d) / 3)), 0.1 * edge);
   }
 }
 

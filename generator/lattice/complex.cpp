@@ -4,6 +4,7 @@
 #include <array>
 
 #include "generator/lattice/quality.hpp"
+#include "generator/lattice/stars.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::lattice {
@@ -59,20 +60,11 @@ double quality(const Complex& complex, const Cell& cell) {
   return cell_quality(complex.at(cell[0]), complex.at(cell[1]), complex.at(cell[2]), complex.at(cell[3]));
 }
 
-// Threads share the nodes: each looks at all cells, and keeps what concerns its nodes, in the order of the cells.
 void connect_stars(Complex& c) {
-  const auto nodes = static_cast<std::int64_t>(c.nodes_mm.size());
   c.first.resize(c.nodes_mm.size());
   c.capacity.resize(c.nodes_mm.size());
   c.count.assign(c.nodes_mm.size(), 0);
-  const auto for_own_nodes = [&](const auto& visit) {
-    parallel::parallel_for(0, nodes, [&](std::int64_t begin, std::int64_t end) {
-      for (std::size_t i = 0; i < c.cells.size(); ++i)
-        for (const auto n : c.cells[i])
-          if (n >= begin && n < end) visit(static_cast<std::size_t>(n), static_cast<std::int32_t>(i));
-    });
-  };
-  for_own_nodes([&](std::size_t n, std::int32_t) { ++c.count[n]; });
+  visit_stars(c.nodes_mm.size(), c.cells, [&](std::size_t n, std::int32_t) { ++c.count[n]; });
   std::int32_t next = 0;
   for (std::size_t n = 0; n < c.first.size(); ++n) {
     c.first[n] = next;
@@ -82,8 +74,9 @@ void connect_stars(Complex& c) {
   }
   c.free_cells.clear();
   c.pool.assign(static_cast<std::size_t>(next), -1);
-  for_own_nodes(
-      [&](std::size_t n, std::int32_t cell) { c.pool[static_cast<std::size_t>(c.first[n]) + c.count[n]++] = cell; });
+  visit_stars(c.nodes_mm.size(), c.cells, [&](std::size_t n, std::int32_t cell) {
+    c.pool[static_cast<std::size_t>(c.first[n]) + c.count[n]++] = cell;
+  });
 }
 
 void connect(Complex& complex) {
@@ -106,7 +99,7 @@ std::int32_t add_node(Complex& complex, const Vec3& position, LabelBits touches,
   return static_cast<std::int32_t>(complex.nodes_mm.size()) - 1;
 }
 
-std::int32_t add_cell(Complex& complex, const Cell& cell, int label) {
+std::int32_t add_unrated_cell(Complex& complex, const Cell& cell, int label) {
   auto id = static_cast<std::int32_t>(complex.cells.size());
   if (complex.free_cells.empty()) {
     complex.cells.push_back(cell);
@@ -119,6 +112,11 @@ std::int32_t add_cell(Complex& complex, const Cell& cell, int label) {
     complex.label[static_cast<std::size_t>(id)] = static_cast<std::uint8_t>(label);
   }
   for (const auto n : cell) append_to_star(complex, n, id);
+  return id;
+}
+
+std::int32_t add_cell(Complex& complex, const Cell& cell, int label) {
+  const auto id = add_unrated_cell(complex, cell, label);
   update_quality(complex, id);
   return id;
 }

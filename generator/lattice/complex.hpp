@@ -56,6 +56,8 @@ void connect(Complex& complex);
 
 std::int32_t add_node(Complex& complex, const Vec3& position, LabelBits touches, float spacing_mm);
 std::int32_t add_cell(Complex& complex, const Cell& cell, int label);
+/// Its quality is unknown until `connect` or update_quality.
+std::int32_t add_unrated_cell(Complex& complex, const Cell& cell, int label);
 void remove_cell(Complex& complex, std::int32_t cell);
 double quality(const Complex& complex, const Cell& cell);
 void update_quality(Complex& complex, std::int32_t cell);

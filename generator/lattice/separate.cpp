@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "generator/lattice/box.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/sort_unique.hpp"
@@ -60,25 +61,13 @@ bool pierces(const Faces& all, const Face& a, const Face& b) {
   return false;
 }
 
-struct FaceBox {
-  Vec3 low, high;
+struct FaceBox : Box {
   std::array<std::int32_t, 3> first_cube{}, last_cube{};  // of a grid, that the box meets
-  bool meets(const FaceBox& o) const {
-    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y && low.z <= o.high.z &&
-           o.low.z <= high.z;
-  }
-  void add(const Vec3& p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
 };
 
 FaceBox box_of(const Faces& all, std::int32_t f) {
   const auto& face = all.face(f);
-  FaceBox box{all.at(face[0]), all.at(face[0])};
-  box.add(all.at(face[1]));
-  box.add(all.at(face[2]));
-  return box;
+  return {box_around(std::array{all.at(face[0]), all.at(face[1]), all.at(face[2])}), {}, {}};
 }
 
 /// Faces by the cubes of a grid that their boxes meet.
@@ -114,7 +103,7 @@ struct CubeGrid {
 CubeGrid empty_grid(const std::vector<FaceBox>& boxes) {
   constexpr double widths = 1.5;  // of a cube, in mean widths of a box
   constexpr double most_cubes_per_face = 8;
-  FaceBox all = boxes[0];
+  Box all = boxes[0];
   double sum = 0;
   for (const auto& box : boxes) {
     all.add(box.low);

@@ -7,25 +7,6 @@
 namespace heart::mesh {
 namespace {
 
-// Threads share the nodes: each looks at all cells, and keeps what concerns its nodes.
-Star star_of(std::size_t nodes, const std::vector<Cell>& cells) {
-  Star star;
-  const auto for_own_nodes = [&](const auto& visit) {
-    parallel::parallel_for(0, static_cast<std::int64_t>(nodes), [&](std::int64_t begin, std::int64_t end) {
-      for (std::size_t c = 0; c < cells.size(); ++c)
-        for (const auto n : cells[c])
-          if (n >= begin && n < end) visit(static_cast<std::size_t>(n), static_cast<std::int32_t>(c));
-    });
-  };
-  star.first.assign(nodes + 1, 0);
-  for_own_nodes([&](std::size_t n, std::int32_t) { ++star.first[n + 1]; });
-  for (std::size_t n = 0; n < nodes; ++n) star.first[n + 1] += star.first[n];
-  star.cells.resize(4 * cells.size());
-  auto next = star.first;
-  for_own_nodes([&](std::size_t n, std::int32_t c) { star.cells[static_cast<std::size_t>(next[n]++)] = c; });
-  return star;
-}
-
 /// A face of a cell, by the two nodes besides its smallest.
 struct HalfFace {
   std::int32_t middle, last, cell;
@@ -35,7 +16,7 @@ struct HalfFace {
 // The faces with several labels at one of their nodes whose smallest node is `node`.
 void collect_half_faces(const Tetrahedra& t, std::int32_t node, std::vector<HalfFace>& halves) {
   halves.clear();
-  for (const auto c : t.star.of(node)) {
+  for (const auto c : t.stars.of(node)) {
     const Cell& cell = t.cell(c);
     for (std::size_t corner = 0; corner < 4; ++corner) {
       if (cell[corner] == node) continue;
@@ -79,7 +60,7 @@ Changes mixed_nodes(const Tetrahedra& t) {
   Changes is_mixed(t.nodes->size());
   parallel::parallel_for(0, static_cast<std::int64_t>(is_mixed.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = begin; n < end; ++n) {
-      const auto star = t.star.of(static_cast<std::int32_t>(n));
+      const auto star = t.stars.of(static_cast<std::int32_t>(n));
       is_mixed[static_cast<std::size_t>(n)] =
           std::any_of(star.begin(), star.end(), [&](std::int32_t c) { return t.label_of(c) != t.label_of(star[0]); });
     }
@@ -95,13 +76,13 @@ std::int32_t Tetrahedra::find_across(std::int32_t c, std::size_t corner) const {
   const auto has = [&](const Cell& other, std::int32_t n) {
     return other[0] == n || other[1] == n || other[2] == n || other[3] == n;
   };
-  for (const auto other : star.of(own[i]))
+  for (const auto other : stars.of(own[i]))
     if (other != c && has(cell(other), own[j]) && has(cell(other), own[k])) return other;
   return hull;
 }
 
 Tetrahedra connect(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells, std::vector<std::int32_t>& label) {
-  Tetrahedra t{&nodes, &cells, &label, star_of(nodes.size(), cells), {}, {}};
+  Tetrahedra t{&nodes, &cells, &label, lattice::stars_of(nodes.size(), cells), {}, {}};
   t.is_mixed = mixed_nodes(t);
   connect_neighbours(t);
   return t;

@@ -3,22 +3,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "generator/lattice/stars.hpp"
 #include "model/tet_mesh.hpp"
 
 namespace heart::mesh {
-
-/// The cells of each node, ascending.
-struct Star {
-  std::vector<std::int32_t> first;  // per node: where its cells begin
-  std::vector<std::int32_t> cells;
-  std::span<const std::int32_t> of(std::int32_t node) const {
-    const auto n = static_cast<std::size_t>(node);
-    return {cells.data() + first[n], static_cast<std::size_t>(first[n + 1] - first[n])};
-  }
-};
 
 constexpr std::array<std::array<std::size_t, 3>, 4> face_corners{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
@@ -31,7 +21,7 @@ struct Tetrahedra {
   const std::vector<Vec3>* nodes;
   const std::vector<Cell>* cells;
   std::vector<std::int32_t>* label;
-  Star star;
+  lattice::Stars stars;
   Changes is_mixed;                                     // nodes that several labels meet, at the start
   std::vector<std::array<std::int32_t, 4>> neighbours;  // across the face opposite to each corner
 

@@ -35,23 +35,6 @@ constexpr std::array<std::string_view, 4> backends{"lattice", "distmesh", "cgal"
 
 constexpr std::array orifices{"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"};
 
-void check_settings(const MeshSettings& s) {
-  for (const auto& [name, value] : {std::pair{"heart_edge_mm", s.heart_edge_mm},
-                                    {"blood_edge_mm", s.blood_edge_mm},
-                                    {"torso_edge_mm", s.torso_edge_mm},
-                                    {"growth", s.growth}})
-    if (!(value > 0) || !std::isfinite(value))
-      throw UserError(fmt::format("{} is {}", name, value), "recipe, [mesh]", "it must be a positive number");
-  if (std::find(backends.begin(), backends.end(), s.backend) == backends.end())
-    throw UserError(fmt::format("unknown backend \"{}\"", s.backend), "recipe, [mesh]",
-                    fmt::format("use \"{}\"", fmt::join(backends, "\", \"")));
-  if (s.wall_layers < 0 || s.wall_layers > most_wall_layers)
-    throw UserError(fmt::format("wall_layers is {}", s.wall_layers), "recipe, [mesh]",
-                    fmt::format("it must be a whole number from 0 to {}", most_wall_layers));
-  if (!(s.smoothing_mm >= 0) || !std::isfinite(s.smoothing_mm))
-    throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]", "it must not be negative");
-}
-
 struct DomainFunction {
   const MeshDomain* domain;
   double layer_mm;
@@ -201,6 +184,23 @@ LabelVolume heart_only(const LabelVolume& labels) {
 }
 
 }  // namespace
+
+void check_settings(const MeshSettings& s) {
+  for (const auto& [name, value] : {std::pair{"heart_edge_mm", s.heart_edge_mm},
+                                    {"blood_edge_mm", s.blood_edge_mm},
+                                    {"torso_edge_mm", s.torso_edge_mm},
+                                    {"growth", s.growth}})
+    if (!(value > 0) || !std::isfinite(value))
+      throw UserError(fmt::format("{} is {}", name, value), "recipe, [mesh]", "it must be a positive number");
+  if (std::find(backends.begin(), backends.end(), s.backend) == backends.end())
+    throw UserError(fmt::format("unknown backend \"{}\"", s.backend), "recipe, [mesh]",
+                    fmt::format("use \"{}\"", fmt::join(backends, "\", \"")));
+  if (s.wall_layers < 0 || s.wall_layers > most_wall_layers)
+    throw UserError(fmt::format("wall_layers is {}", s.wall_layers), "recipe, [mesh]",
+                    fmt::format("it must be a whole number from 0 to {}", most_wall_layers));
+  if (!(s.smoothing_mm >= 0) || !std::isfinite(s.smoothing_mm))
+    throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]", "it must not be negative");
+}
 
 TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report,
                     const Volume<float>* own_edges_mm) {

@@ -13,6 +13,9 @@
 
 namespace heart::mesh {
 
+/// Throws UserError for an unknown back end, edge lengths that are not positive and what else no label map makes good.
+void check_settings(const MeshSettings& settings);
+
 /// Meshes every labelled region of `labels`. Each outer boundary face and each interface face is listed once, with its
 /// surface; the rims of valve orifices are node sets. Regions that the smoothing wipes out (islands of a voxel) have no
 /// cells. Throws UserError for an empty label map, an unknown label, and edge lengths that are not positive.

@@ -103,7 +103,7 @@ struct Part {
 };
 
 std::vector<Part> parts_of_star(const Tetrahedra& t, std::int32_t node, const LabelSet& set) {
-  const auto star = t.star.of(node);
+  const auto star = t.stars.of(node);
   const auto inside = [&](std::int32_t cell) { return set[static_cast<std::size_t>(t.label_of(cell))]; };
   std::vector<bool> seen(star.size(), false);
   const auto place = [&](std::int32_t cell) {
@@ -139,7 +139,7 @@ std::vector<Part> parts_of_star(const Tetrahedra& t, std::int32_t node, const La
 }
 
 bool is_mixed(const Tetrahedra& t, std::int32_t node, const LabelSet& set) {
-  const auto star = t.star.of(node);
+  const auto star = t.stars.of(node);
   const auto inside = [&](std::int32_t cell) { return set[static_cast<std::size_t>(t.label_of(cell))]; };
   return std::any_of(star.begin(), star.end(), [&](std::int32_t c) { return inside(c) != inside(star.front()); });
 }
@@ -171,7 +171,7 @@ struct Rim {
 // False where they are too many, or the node lies on the hull.
 bool collect_rim(const Tetrahedra& t, std::int32_t node, const LabelSet& set, Rim& rim) {
   const auto inside = [&](std::int32_t cell) { return set[static_cast<std::size_t>(t.label_of(cell))]; };
-  for (const auto c : t.star.of(node)) {
+  for (const auto c : t.stars.of(node)) {
     if (!inside(c)) continue;
     const Cell& cell = t.cell(c);
     for (std::size_t corner = 0; corner < 4; ++corner) {

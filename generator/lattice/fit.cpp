@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "generator/lattice/balance.hpp"
+#include "generator/lattice/box.hpp"
 #include "generator/lattice/contract.hpp"
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/place.hpp"
@@ -124,23 +125,44 @@ FacesByHeight by_height(const Complex& c, const std::vector<Face>& faces) {
   return result;
 }
 
-Around faces_around(const Complex& whole, const FacesByHeight& outer, const Place& place) {
-  Vec3 low = place.part.nodes_mm[0], high = low;
-  for (const auto& p : place.part.nodes_mm) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+Box box_of(const Complex& c, const Face& face) {
+  return box_around(std::array{c.at(face[0]), c.at(face[1]), c.at(face[2])});
+}
+
+/// Cubes of a coarse grid that some boxes meet, so that what meets none of them is told at a glance.
+class MarkedCubes {
+ public:
+  explicit MarkedCubes(const Box& all) : all_(all), marked_(side * side * side) {}
+  void mark(const Box& box) {
+    for_cubes(box, [&](std::size_t cube) { marked_[cube] = 1; });
   }
-  const auto is_beside = [&](const Face& face) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto [least, most] =
-          std::minmax({whole.at(face[0])[axis], whole.at(face[1])[axis], whole.at(face[2])[axis]});
-      if (least > high[axis] || most < low[axis]) return true;
-    }
-    return false;
-  };
+  bool may_meet(const Box& box) const {
+    bool is_marked = false;
+    for_cubes(box, [&](std::size_t cube) { is_marked = is_marked || marked_[cube] != 0; });
+    return is_marked;
+  }
+
+ private:
+  static constexpr std::size_t side = 64;
+  std::size_t place(const Vec3& p, int axis) const {
+    const double share = (p[axis] - all_.low[axis]) / std::max(all_.high[axis] - all_.low[axis], 1e-9);
+    return static_cast<std::size_t>(std::clamp(share * side, 0.0, side - 1.0));
+  }
+  template <class Visit>
+  void for_cubes(const Box& box, Visit&& visit) const {
+    for (auto k = place(box.low, 2); k <= place(box.high, 2); ++k)
+      for (auto j = place(box.low, 1); j <= place(box.high, 1); ++j)
+        for (auto i = place(box.low, 0); i <= place(box.high, 0); ++i) visit((k * side + j) * side + i);
+  }
+  Box all_;
+  std::vector<std::uint8_t> marked_;
+};
+
+Around faces_around(const Complex& whole, const FacesByHeight& outer, const Place& place) {
+  const auto box = box_around(place.part.nodes_mm);
   Around around;
-  for (Face face : outer.between(low.z, high.z)) {
-    if (is_beside(face)) continue;
+  for (Face face : outer.between(box.low.z, box.high.z)) {
+    if (!box.meets(box_of(whole, face))) continue;
     bool is_part = false;
     for (auto& n : face) {
       const auto found = std::lower_bound(place.nodes.begin(), place.nodes.end(), n);
@@ -179,6 +201,15 @@ struct Job {
   Fitness fitness;
   std::int64_t work = 0;  // cells repaired, of all tries together
 };
+
+// The outer faces of the whole that may lie around one of the places: most lie far from all of them.
+FacesByHeight outer_faces_near(const Complex& c, const std::vector<Job>& jobs) {
+  MarkedCubes cubes(box_around(c.nodes_mm));
+  for (const auto& job : jobs) cubes.mark(box_around(job.place.part.nodes_mm));
+  auto faces = outer_faces(c);
+  std::erase_if(faces, [&](const Face& face) { return !cubes.may_meet(box_of(c, face)); });
+  return by_height(c, faces);
+}
 
 // One way of several to divide a face: its longest edge, the second, the third, all. Then again, a little shaken up.
 void divide(Complex& part, const Materials& materials, const Face& face, int way) {
@@ -255,7 +286,7 @@ std::vector<Face> fit_places(Complex& complex, const Materials& materials, const
   while (!faces.empty() && work_left > 0) {
     auto jobs = separate_places(complex, faces, rings, work_left);
     if (jobs.empty()) break;
-    const auto outer = by_height(complex, outer_faces(complex));
+    const auto outer = outer_faces_near(complex, jobs);
     std::vector<std::function<void()>> tasks;
     tasks.reserve(jobs.size());
     for (auto& job : jobs)

@@ -1,37 +1,75 @@
 #include "generator/lattice/rescue.hpp"
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <iterator>
+#include <utility>
 #include <vector>
 
+#include "generator/lattice/contract.hpp"
 #include "generator/lattice/place.hpp"
+#include "generator/parallel/tasks.hpp"
+#include "generator/parallel/threads.hpp"
 
 namespace heart::lattice {
 namespace {
 
 constexpr int rings = 3;  // of cells around a bad one
-constexpr int most_tries = 12;
 
-// Makes `best` the best of some repairs of a place.
-void try_repairs(const Complex& part, const Materials& materials, const RepairSettings& settings, double enough,
-                 Complex& best) {
-  for (int attempt = 0; attempt < most_tries && worst_quality(best) < enough; ++attempt) {
-    Complex tried = part;
-    if (attempt > 0) shake_up(tried, materials, 0.04 + 0.04 * (attempt % 4), static_cast<std::uint32_t>(attempt));
-    repair(tried, materials, settings);
-    if (worst_quality(tried) > worst_quality(best)) best = std::move(tried);
-  }
+// The edge of the worst cell that is so many places after the longest.
+std::pair<std::int32_t, std::int32_t> edge_of_worst(const Complex& part, std::size_t place) {
+  const auto worst = std::min_element(part.quality.begin(), part.quality.end()) - part.quality.begin();
+  const Cell& cell = part.cell(static_cast<std::int32_t>(worst));
+  std::array<std::pair<double, std::pair<std::int32_t, std::int32_t>>, 6> edges;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = i + 1; j < 4; ++j)
+      edges[count++] = {-norm(part.at(cell[i]) - part.at(cell[j])), {cell[i], cell[j]}};
+  std::sort(edges.begin(), edges.end());
+  return edges[place].second;
 }
 
-// Shakes of all the cells below the goal take most of the time; places that need them are few.
-Complex best_repair(const Complex& part, const Materials& materials, RepairSettings settings, double enough) {
+// What is tried with a place, in this order. To divide an edge of the worst cell first helps most often and takes
+// least; shakes of all the cells below the goal take most, and few places need them.
+constexpr int edges_of_cell = 6, modest_from = edges_of_cell, thorough_from = modest_from + 12,
+              divided_and_shaken_from = thorough_from + 12, most_tries = divided_and_shaken_from + edges_of_cell;
+
+void try_to_mend(Complex& part, const Materials& materials, RepairSettings settings, double enough, int number) {
   settings.may_relabel = false;  // labels beyond the place are not seen
-  RepairSettings modest = settings, thorough = settings;
-  modest.least = enough;
-  thorough.least = thorough.goal;
-  thorough.sweeps *= 2;
+  settings.least = enough;
+  const bool divides = number < modest_from || number >= divided_and_shaken_from;
+  if (divides) {
+    const int place = number < modest_from ? number : number - divided_and_shaken_from;
+    const auto [a, b] = edge_of_worst(part, static_cast<std::size_t>(place));
+    halve_edge(part, materials, a, b);
+    if (number >= divided_and_shaken_from) shake_up(part, materials, 0.03, static_cast<std::uint32_t>(place));
+  } else {
+    const int shakes = (number - modest_from) % (thorough_from - modest_from);
+    if (shakes > 0) shake_up(part, materials, 0.04 + 0.04 * (shakes % 4), static_cast<std::uint32_t>(shakes));
+    if (number >= thorough_from) {
+      settings.least = settings.goal;
+      settings.sweeps *= 2;
+    }
+  }
+  repair(part, materials, settings);
+}
+
+// The best of the tries up to the first that is good enough. `at_once` of them are made together, in vain where an
+// earlier one does: the outcome is the same for any number.
+Complex best_repair(const Complex& part, const Materials& materials, const RepairSettings& settings, double enough,
+                    int at_once) {
   Complex best = part;
-  try_repairs(part, materials, modest, enough, best);
-  try_repairs(part, materials, thorough, enough, best);
+  for (int first = 0; first < most_tries && worst_quality(best) < enough; first += at_once) {
+    std::vector<Complex> tried(static_cast<std::size_t>(std::min(at_once, most_tries - first)), part);
+    std::vector<std::function<void()>> tasks;
+    tasks.reserve(tried.size());
+    for (std::size_t i = 0; i < tried.size(); ++i)
+      tasks.emplace_back([&, i] { try_to_mend(tried[i], materials, settings, enough, first + static_cast<int>(i)); });
+    parallel::run_tasks(tasks);
+    for (auto& one : tried)
+      if (worst_quality(best) < enough && worst_quality(one) > worst_quality(best)) best = std::move(one);
+  }
   return best;
 }
 
@@ -44,18 +82,69 @@ std::vector<std::int32_t> cells_below(const Complex& c, double enough) {
   return bad;
 }
 
+/// A place with bad cells, and the best that was made of it.
+struct Job {
+  Place place;
+  Complex best;
+  bool is_better = false, is_enough = false;
+};
+
+// Places around the first of the bad cells that have no cell in common; these go from the list, and so does what is
+// good enough meanwhile.
+std::vector<Job> next_places(const Complex& c, std::vector<std::int32_t>& bad, double enough) {
+  constexpr std::size_t at_once = 4;  // more would be in vain where one of them cannot be mended
+  std::vector<Job> jobs;
+  std::vector<std::int32_t> taken;  // ascending
+  std::vector<std::int32_t> left;
+  for (const auto id : bad) {
+    if (!c.is_alive(id) || c.quality_of(id) >= enough) continue;
+    if (jobs.size() == at_once) {
+      left.push_back(id);
+      continue;
+    }
+    auto place = place_around(c, id, rings);
+    std::vector<std::int32_t> both;
+    std::set_intersection(place.cells.begin(), place.cells.end(), taken.begin(), taken.end(), std::back_inserter(both));
+    if (!both.empty()) {
+      left.push_back(id);
+      continue;
+    }
+    both.clear();
+    std::merge(place.cells.begin(), place.cells.end(), taken.begin(), taken.end(), std::back_inserter(both));
+    taken = std::move(both);
+    jobs.push_back({std::move(place), {}, false, false});
+  }
+  bad = std::move(left);
+  return jobs;
+}
+
+void mend(std::vector<Job>& jobs, const Materials& materials, const RepairSettings& settings, double enough) {
+  const int at_once = jobs.size() == 1 ? parallel::thread_count() : 1;
+  std::vector<std::function<void()>> tasks;
+  tasks.reserve(jobs.size());
+  for (auto& job : jobs)
+    tasks.emplace_back([&] {
+      job.best = best_repair(job.place.part, materials, settings, enough, at_once);
+      job.is_better = worst_quality(job.best) > worst_quality(job.place.part);
+      job.is_enough = worst_quality(job.best) >= enough;
+    });
+  parallel::run_tasks(tasks);
+}
+
 }  // namespace
 
 std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough) {
-  constexpr std::size_t most_cells = 30;  // more are not a few: the whole has to be made in another way
-  const auto bad = cells_below(complex, enough);
-  if (bad.size() > most_cells) return static_cast<std::int64_t>(bad.size());
-  for (const auto id : bad) {
-    if (!complex.is_alive(id) || complex.quality_of(id) >= enough) continue;
-    auto place = place_around(complex, id, rings);
-    const auto repaired = best_repair(place.part, materials, settings, enough);
-    if (worst_quality(repaired) > worst_quality(place.part)) put_back(complex, place, repaired);
-    if (worst_quality(repaired) < enough) break;  // nothing makes the whole good enough now
+  constexpr std::size_t always = 30, cells_for_one = 30'000;
+  auto bad = cells_below(complex, enough);
+  // More are not a few: the whole has to be made in another way.
+  if (bad.size() > std::max(always, complex.cells.size() / cells_for_one)) return static_cast<std::int64_t>(bad.size());
+  for (bool is_lost = false; !is_lost && !bad.empty();) {
+    auto jobs = next_places(complex, bad, enough);
+    mend(jobs, materials, settings, enough);
+    for (auto& job : jobs) {
+      if (job.is_better) put_back(complex, job.place, job.best);
+      is_lost = is_lost || !job.is_enough;  // nothing makes the whole good enough now
+    }
   }
   return static_cast<std::int64_t>(cells_below(complex, enough).size());
 }

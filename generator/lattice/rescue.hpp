@@ -1,5 +1,5 @@
-// A last means for the few cells that repair leaves too bad: the places around them are shaken up and repaired apart
-// from the rest, several times, and the best outcome is put back.
+// A last means for the few cells that repair leaves too bad: the places around them are repaired apart from the rest in
+// several ways, an edge divided or the nodes shaken up before, and the best outcome is put back.
 #pragma once
 #include <cstdint>
 

@@ -295,7 +295,7 @@ void divide_edge(Complex& c, const Edge& edge, std::int32_t middle) {
     for (const auto replaced : {edge.first, edge.second}) {
       Cell made = old;
       std::replace(made.begin(), made.end(), replaced, middle);
-      add_cell(c, made, 1);
+      add_unrated_cell(c, made, 1);
     }
   }
 }

@@ -75,38 +75,58 @@ struct Attempt {
   std::int64_t below_goal = 0;
   std::int64_t meeting = std::numeric_limits<std::int64_t>::max();  // pairs of outer faces that pass through each other
   double worst = -1;                                                // quality
+  bool is_fitted = false;
 };
 
 bool is_better(const Attempt& a, const Attempt& b) {
   return a.meeting != b.meeting ? a.meeting < b.meeting : a.worst > b.worst;
 }
 
-Attempt attempt(const lattice::Materials& materials, double reach, std::span<const LabelSet> manifold_sets,
-                std::int64_t crumb_cells, const LatticeAims& aims, StepWatch& watch) {
+/// What every attempt at a mesh is told.
+struct Task {
+  const lattice::Materials* materials;
+  std::span<const LabelSet> manifold_sets;
+  std::int64_t crumb_cells;
+  LatticeAims aims;
+  lattice::RepairSettings repairing;
+  StepWatch* watch;
+};
+
+void separate(Attempt& made, const Task& task) {
+  made.meeting = lattice::separate_sheets(made.complex, task.repairing.least);
+  lattice::compress(made.complex);
+  made.worst = 1;
+  for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));
+  task.watch->note("separate");
+}
+
+void fit(Attempt& made, const Task& task) {
+  lattice::FitSettings fitting;
+  fitting.enough = task.aims.enough;
+  fitting.labels = task.aims.fitted;
+  lattice::fit_faces(made.complex, *task.materials, task.repairing, fitting);
+  made.is_fitted = true;
+  task.watch->note("fit");
+}
+
+// Fits only what has no cell that is too bad: else another attempt follows, which may be better.
+Attempt attempt(const Task& task, double reach) {
+  const auto& materials = *task.materials;
+  auto& watch = *task.watch;
   lattice::StuffSettings stuffing;
   stuffing.edge_reach = reach;
   Attempt made{lattice::stuff(materials, stuffing)};
   watch.note("stuff");
-  settle(made.complex, manifold_sets, crumb_cells);
+  settle(made.complex, task.manifold_sets, task.crumb_cells);
   watch.note("settle");
-  lattice::RepairSettings repairing;
-  repairing.least = aims.least;
-  made.below_goal = repair_on_curves(made.complex, materials, repairing);
+  made.below_goal = repair_on_curves(made.complex, materials, task.repairing);
   watch.note("repair");
-  lattice::balance_surfaces(made.complex, materials, repairing.least);
+  lattice::balance_surfaces(made.complex, materials, task.repairing.least);
   watch.note("balance");
-  lattice::rescue(made.complex, materials, repairing, aims.enough);
+  const auto too_bad = lattice::rescue(made.complex, materials, task.repairing, task.aims.enough);
   watch.note("rescue");
-  lattice::FitSettings fitting;
-  fitting.enough = aims.enough;
-  fitting.labels = aims.fitted;
-  lattice::fit_faces(made.complex, materials, repairing, fitting);
-  watch.note("fit");
-  made.meeting = lattice::separate_sheets(made.complex, repairing.least);
-  lattice::compress(made.complex);
-  made.worst = 1;
-  for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));
-  watch.note("separate");
+  if (too_bad == 0) fit(made, task);
+  separate(made, task);
   return made;
 }
 
@@ -135,11 +155,17 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
 lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report, const LatticeAims& aims) {
   StepWatch watch{report};
+  Task task{&materials, manifold_sets, crumb_cells, aims, {}, &watch};
+  task.repairing.least = aims.least;
   Attempt best;
   for (const double reach : reaches) {
-    auto made = attempt(materials, reach, manifold_sets, crumb_cells, aims, watch);
+    auto made = attempt(task, reach);
     if (is_better(made, best)) best = std::move(made);
     if (best.meeting == 0 && best.worst >= aims.enough) break;
+  }
+  if (!best.is_fitted) {
+    fit(best, task);
+    separate(best, task);
   }
   if (report != nullptr) report->cells_below_goal = best.below_goal;
   return std::move(best.complex);

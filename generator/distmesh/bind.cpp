@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "generator/lattice/feature.hpp"
+#include "generator/parallel/gather.hpp"
+#include "generator/parallel/threads.hpp"
 
 namespace heart::distmesh {
 namespace {
@@ -92,12 +95,15 @@ bool crosses(const Nodes& nodes, const Edge& edge) {
 
 void bind_to_interfaces(Nodes& nodes, const std::vector<Edge>& edges, const Setting& s,
                         std::vector<std::uint8_t>& moved) {
-  std::vector<Candidate> candidates;
-  for (const auto& edge : edges) {
-    if (!crosses(nodes, edge)) continue;
-    add_candidate(candidates, s, nodes, edge[0], edge[1]);
-    add_candidate(candidates, s, nodes, edge[1], edge[0]);
-  }
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Candidate>& found) {
+    for (auto e = begin; e < end; ++e) {
+      const auto& edge = edges[static_cast<std::size_t>(e)];
+      if (!crosses(nodes, edge)) continue;
+      add_candidate(found, s, nodes, edge[0], edge[1]);
+      add_candidate(found, s, nodes, edge[1], edge[0]);
+    }
+  };
+  auto candidates = parallel::gather<Candidate>(0, static_cast<std::int64_t>(edges.size()), find);
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.distance, a.node, a.other) < std::tie(b.distance, b.node, b.other);
   });
@@ -263,28 +269,31 @@ std::int64_t divide_crossings(Nodes& nodes, const Simplices& simplices, const Ma
 
 void rebind(Nodes& nodes, const Materials& materials, Dimension dimension) {
   const Setting setting{&materials, dimension};
-  for (std::size_t n = nodes.fixed; n < nodes.size(); ++n) {
-    auto& bits = nodes.touches[n];
+  const auto bits_of = [&](std::size_t n) {
+    const LabelBits bits = nodes.touches[n];
     const Vec3& place = nodes.at_mm[n];
-    if (nodes.is_free(n)) {
-      bits = bits_at(materials, place);
-      continue;
-    }
+    if (nodes.is_free(n)) return bits_at(materials, place);
     const auto found = bits_around(materials, dimension, place, probe_reach * setting.edge_at(place));
-    if ((bits & ~found) == 0) continue;
+    if ((bits & ~found) == 0) return bits;
     const LabelBits sides = bits & lattice::side_bits;
     LabelBits labels = found & ~lattice::side_bits;
     if (constraints(labels | sides) > static_cast<int>(dimension)) labels = lowest(labels);
-    bits = labels | sides;
-  }
+    return labels | sides;
+  };
+  const auto first = static_cast<std::int64_t>(nodes.fixed), last = static_cast<std::int64_t>(nodes.size());
+  parallel::parallel_for(first, last, [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      nodes.touches[n] = bits_of(n);
+  });
 }
 
 void bind_hull(Nodes& nodes, const Simplices& inside, const Materials& materials, Dimension dimension) {
   const Setting setting{&materials, dimension};
   const auto hull = hull_faces(inside);
+  std::vector<std::uint8_t> is_done(nodes.size(), 0);
   for (const auto& face : hull)
     for (const auto n : face)
-      if (n >= 0) bind_to_hull(nodes, n, setting);
+      if (n >= 0 && std::exchange(is_done[static_cast<std::size_t>(n)], 1) == 0) bind_to_hull(nodes, n, setting);
   for (const auto& face : hull)
     for (std::size_t i = 0; i < 3; ++i) {
       const auto a = face[i], b = face[(i + 1) % 3];

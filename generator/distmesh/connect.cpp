@@ -1,9 +1,13 @@
 #include "generator/distmesh/connect.hpp"
 
 #include <algorithm>
+#include <span>
 #include <tuple>
 
 #include "generator/adapters/cgal_delaunay.hpp"
+#include "generator/lattice/stars.hpp"
+#include "generator/parallel/gather.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::distmesh {
 
@@ -19,46 +23,57 @@ Simplices delaunay(const Nodes& nodes, Dimension dimension) {
 }
 
 std::vector<Edge> edges_of(const Simplices& simplices, std::size_t node_count) {
-  // Sorted by the smaller node by counting, then node by node.
-  std::vector<std::size_t> first(node_count + 1, 0);
-  const auto for_each = [&](const auto& visit) {
-    for (const auto& cell : simplices.cells)
-      for (std::size_t i = 0; i < simplices.corners; ++i)
-        for (std::size_t j = i + 1; j < simplices.corners; ++j)
-          visit(std::min(cell[i], cell[j]), std::max(cell[i], cell[j]));
+  const auto stars = lattice::stars_of(node_count, simplices.cells);
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Edge>& edges) {
+    std::vector<std::int32_t> others;
+    for (auto node = static_cast<std::int32_t>(begin); node < end; ++node) {
+      others.clear();
+      for (const auto s : stars.of(node))
+        for (const auto n : simplices.cells[static_cast<std::size_t>(s)])
+          if (n > node) others.push_back(n);
+      sort_unique(others);
+      for (const auto n : others) edges.push_back({node, n});
+    }
   };
-  for_each([&](std::int32_t a, std::int32_t) { ++first[static_cast<std::size_t>(a) + 1]; });
-  for (std::size_t n = 0; n < node_count; ++n) first[n + 1] += first[n];
-  std::vector<std::int32_t> other(first[node_count]);
-  auto next = first;
-  for_each([&](std::int32_t a, std::int32_t b) { other[next[static_cast<std::size_t>(a)]++] = b; });
-  std::vector<Edge> edges;
-  for (std::size_t n = 0; n < node_count; ++n) {
-    const auto begin = other.begin() + static_cast<std::ptrdiff_t>(first[n]);
-    const auto end = other.begin() + static_cast<std::ptrdiff_t>(first[n + 1]);
-    std::sort(begin, end);
-    for (auto it = begin; it != end; ++it)
-      if (it == begin || *it != *(it - 1)) edges.push_back({static_cast<std::int32_t>(n), *it});
-  }
-  return edges;
+  return parallel::gather<Edge>(0, static_cast<std::int64_t>(node_count), find);
 }
 
-std::vector<Face> hull_faces(const Simplices& inside) {
-  std::vector<Face> faces;
-  for (const auto& cell : inside.cells)
-    for (std::size_t left_out = 0; left_out < inside.corners; ++left_out) {
+namespace {
+
+// The faces of the simplices around a node of which it is the least, nodes and faces ascending.
+void collect_faces(const Simplices& simplices, std::span<const std::int32_t> star, std::int32_t node,
+                   std::vector<Face>& faces) {
+  faces.clear();
+  for (const auto s : star) {
+    const Cell& cell = simplices.cells[static_cast<std::size_t>(s)];
+    for (std::size_t left_out = 0; left_out < simplices.corners; ++left_out) {
+      if (cell[left_out] == node) continue;
       Face face{-1, -1, -1};
-      for (std::size_t i = 0, k = 0; i < inside.corners; ++i)
+      for (std::size_t i = 0, k = 0; i < simplices.corners; ++i)
         if (i != left_out) face[k++] = cell[i];
       std::sort(face.begin(), face.end());
-      faces.push_back(face);
+      if (face[4 - simplices.corners] == node) faces.push_back(face);
     }
+  }
   std::sort(faces.begin(), faces.end());
-  std::vector<Face> hull;
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    if ((f == 0 || faces[f - 1] != faces[f]) && (f + 1 == faces.size() || faces[f + 1] != faces[f]))
-      hull.push_back(faces[f]);
-  return hull;
+}
+
+}  // namespace
+
+std::vector<Face> hull_faces(const Simplices& inside) {
+  std::int32_t last = -1;
+  for (const auto& cell : inside.cells) last = std::max(last, *std::max_element(cell.begin(), cell.end()));
+  const auto stars = lattice::stars_of(static_cast<std::size_t>(last + 1), inside.cells);
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& hull) {
+    std::vector<Face> faces;
+    for (auto node = static_cast<std::int32_t>(begin); node < end; ++node) {
+      collect_faces(inside, stars.of(node), node, faces);
+      for (std::size_t f = 0; f < faces.size(); ++f)
+        if ((f == 0 || faces[f - 1] != faces[f]) && (f + 1 == faces.size() || faces[f + 1] != faces[f]))
+          hull.push_back(faces[f]);
+    }
+  };
+  return parallel::gather<Face>(0, last + 1, find);
 }
 
 Vec3 center_of(const Nodes& nodes, const Cell& cell, std::size_t corners) {

@@ -33,16 +33,32 @@ struct Bars {
   std::vector<double> wanted;  // mean of materials.edge_mm at both ends
 };
 
+std::vector<std::uint8_t> labels_of(const Nodes& nodes, const Simplices& simplices, const Materials& materials) {
+  std::vector<std::uint8_t> label(simplices.cells.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(label.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto s = static_cast<std::size_t>(begin); s < static_cast<std::size_t>(end); ++s)
+      label[s] = static_cast<std::uint8_t>(label_of(nodes, simplices.cells[s], simplices.corners, materials));
+  });
+  return label;
+}
+
 void drop_simplices_outside(const Nodes& nodes, Simplices& simplices, const Materials& materials) {
-  std::erase_if(simplices.cells,
-                [&](const Cell& cell) { return label_of(nodes, cell, simplices.corners, materials) == 0; });
+  const auto label = labels_of(nodes, simplices, materials);
+  std::size_t kept = 0;
+  for (std::size_t s = 0; s < label.size(); ++s)
+    if (label[s] != 0) simplices.cells[kept++] = simplices.cells[s];
+  simplices.cells.resize(kept);
 }
 
 Bars bars_of(const Nodes& nodes, const Simplices& simplices, const Materials& materials) {
   Bars bars;
   bars.edges = edges_of(simplices, nodes.size());
   std::vector<double> edge(nodes.size());
-  for (std::size_t n = 0; n < nodes.size(); ++n) edge[n] = materials.edge_mm(nodes.at_mm[n]);
+  parallel::parallel_for(0, static_cast<std::int64_t>(edge.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      edge[n] = materials.edge_mm(nodes.at_mm[n]);
+  });
+  bars.wanted.reserve(bars.edges.size());
   for (const auto& [a, b] : bars.edges)
     bars.wanted.push_back(0.5 * (edge[static_cast<std::size_t>(a)] + edge[static_cast<std::size_t>(b)]));
   return bars;
@@ -240,8 +256,7 @@ void finish(Truss& truss, const Problem& problem) {
   }
   drop_outside(nodes);
   truss.simplices = delaunay(nodes, problem.dimension);
-  for (const auto& cell : truss.simplices.cells)
-    truss.label.push_back(static_cast<std::uint8_t>(label_of(nodes, cell, truss.simplices.corners, m)));
+  truss.label = labels_of(nodes, truss.simplices, m);
   absorb_crumbs(truss.simplices, truss.label);
 }
 

@@ -87,14 +87,16 @@ std::vector<Vec3> shifts_of(const Complex& c, const std::vector<SurfaceFace>& fa
     }
   }
   std::vector<Vec3> shift(found.to_curve);
-  for (std::size_t n = 0; n < shift.size(); ++n) {
-    const double limit = most_shift * static_cast<double>(c.spacing_mm[n]);
-    if (const double length = norm(shift[n]); length > limit) shift[n] *= limit / length;
-    if (count[n] == 0) continue;
-    const double own = found.node[n].distance;
-    const double wanted = -error[n] / count[n] - evenness * (own - around[n] / count[n]);
-    shift[n] = along_normal(c.touches[n], found.node[n].normal, std::clamp(own + wanted, -limit, limit) - own);
-  }
+  parallel::parallel_for(0, static_cast<std::int64_t>(shift.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      const double limit = most_shift * static_cast<double>(c.spacing_mm[n]);
+      if (const double length = norm(shift[n]); length > limit) shift[n] *= limit / length;
+      if (count[n] == 0) continue;
+      const double own = found.node[n].distance;
+      const double wanted = -error[n] / count[n] - evenness * (own - around[n] / count[n]);
+      shift[n] = along_normal(c.touches[n], found.node[n].normal, std::clamp(own + wanted, -limit, limit) - own);
+    }
+  });
   return shift;
 }
 
@@ -111,14 +113,16 @@ std::vector<Vec3> shifts_at_worst(const Complex& c, const std::vector<SurfaceFac
       range[at] = {std::min(range[at][0], found.center[f]), std::max(range[at][1], found.center[f])};
     }
   std::vector<Vec3> shift(c.nodes_mm.size());
-  for (std::size_t n = 0; n < shift.size(); ++n) {
-    const auto [low, high] = range[n];
-    const double spacing = static_cast<double>(c.spacing_mm[n]), limit = most_shift * spacing;
-    if (std::max(-low, high) < far * spacing) continue;
-    const double own = found.node[n].distance;
-    const double wanted = std::clamp(own - step * (low + high), -limit, limit) - own;
-    shift[n] = along_normal(c.touches[n], found.node[n].normal, wanted);
-  }
+  parallel::parallel_for(0, static_cast<std::int64_t>(shift.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      const auto [low, high] = range[n];
+      const double spacing = static_cast<double>(c.spacing_mm[n]), limit = most_shift * spacing;
+      if (std::max(-low, high) < far * spacing) continue;
+      const double own = found.node[n].distance;
+      const double wanted = std::clamp(own - step * (low + high), -limit, limit) - own;
+      shift[n] = along_normal(c.touches[n], found.node[n].normal, wanted);
+    }
+  });
   return shift;
 }
 

@@ -15,6 +15,7 @@
 #include "generator/lattice/place.hpp"
 #include "generator/lattice/separate.hpp"
 #include "generator/lattice/surface_faces.hpp"
+#include "generator/parallel/gather.hpp"
 #include "generator/parallel/tasks.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/sort_unique.hpp"
@@ -206,9 +207,12 @@ struct Job {
 FacesByHeight outer_faces_near(const Complex& c, const std::vector<Job>& jobs) {
   MarkedCubes cubes(box_around(c.nodes_mm));
   for (const auto& job : jobs) cubes.mark(box_around(job.place.part.nodes_mm));
-  auto faces = outer_faces(c);
-  std::erase_if(faces, [&](const Face& face) { return !cubes.may_meet(box_of(c, face)); });
-  return by_height(c, faces);
+  const auto faces = outer_faces(c);
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& near) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
+      if (cubes.may_meet(box_of(c, faces[f]))) near.push_back(faces[f]);
+  };
+  return by_height(c, parallel::gather<Face>(0, static_cast<std::int64_t>(faces.size()), find));
 }
 
 // One way of several to divide a face: its longest edge, the second, the third, all. Then again, a little shaken up.

@@ -6,6 +6,7 @@
 
 #include "generator/atlas/compact_wall.hpp"
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/label_surface.hpp"
 #include "generator/atlas/quadratic_continuation.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
@@ -16,11 +17,13 @@ namespace heart::atlas {
 namespace {
 
 constexpr int continued_layers = 5;
-constexpr double surface_smoothing = 2.2;        // standard deviation, in voxels of the labels: evens out their steps
+constexpr double surface_smoothing = 2.5;        // standard deviation, in voxels of the labels: evens out their steps
 constexpr double most_surface_smoothing_mm = 3;  // beyond, the wall's own curvature would go
+constexpr double respected_reach = 1.2;          // in voxels of the labels: as near steps of both kinds even out
+constexpr int respected_rounds = 6;
 constexpr double ridge_voxels = 0.085;  // of the labels: how far above the compact wall's floor a sample counts
 constexpr double no_ridge_mm = 1000;    // where labels show none, every sample counts alike
-constexpr double normal_smoothing_mm = 2;
+constexpr double least_normal_smoothing_mm = 2, normal_smoothing_share = 0.4;  // of the wall's thickness
 constexpr double least_distance_mm = 0.02;
 constexpr double thick_wall_mm = 6;  // thinner ones have too few voxels across for a quadratic continuation
 
@@ -40,9 +43,8 @@ Part cavity_of(Part wall) { return wall == Part::lv_wall ? Part::lv_cavity : Par
 Surfaces surfaces_of(const Ventricles& ventricles, Part wall) {
   const auto& parts = ventricles.parts;
   const double spacing_mm = parts.grid.spacing_mm.x;
-  const double sigma_voxels =
-      std::min(surface_smoothing * std::max(ventricles.label_spacing_mm, spacing_mm), most_surface_smoothing_mm) /
-      spacing_mm;
+  const double label_mm = std::max(ventricles.label_spacing_mm, spacing_mm);
+  const double sigma_voxels = std::min(surface_smoothing * label_mm, most_surface_smoothing_mm) / spacing_mm;
   Mask cavity = mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
   for (std::size_t v = 0; v < ventricles.beyond.voxels.size(); ++v)
     if (is(ventricles.beyond.voxels[v], cavity_of(wall))) cavity.voxels[v] = 1;
@@ -51,7 +53,11 @@ Surfaces surfaces_of(const Ventricles& ventricles, Part wall) {
   };
   const auto in_heart = [](std::uint8_t v) { return !is(v, Part::outside); };
   const Mask hull = wall == Part::lv_wall ? mask_where(parts, in_left_hull) : mask_where(parts, in_heart);
-  return {signed_distance(cavity, sigma_voxels), signed_distance(hull, sigma_voxels)};
+  Surfaces surfaces{signed_distance(cavity, sigma_voxels), signed_distance(hull, sigma_voxels)};
+  const double reach_voxels = respected_reach * label_mm / spacing_mm;
+  respect_labels(cavity, reach_voxels, respected_rounds, surfaces.endocardium);
+  respect_labels(hull, reach_voxels, respected_rounds, surfaces.epicardium);
+  return surfaces;
 }
 
 /// How far a wall is from where it ends, mm: from what lies beyond a valve, and for the right one from the left.
@@ -244,9 +250,10 @@ void continue_layers(WallCoordinates& c, int layers) {
   }
 }
 
-/// Mean normals of the wall around each of its voxels: label maps have steps, walls have not.
-void smooth_normals(WallCoordinates& c) {
-  const double sigma_voxels = normal_smoothing_mm / c.known.grid.spacing_mm.x;
+/// Mean normals of the wall around each of its voxels: label maps have steps, walls have not. Thick walls bend less.
+void smooth_normals(WallCoordinates& c, double thickness_mm) {
+  const double smoothing_mm = std::max(least_normal_smoothing_mm, normal_smoothing_share * thickness_mm);
+  const double sigma_voxels = smoothing_mm / c.known.grid.spacing_mm.x;
   for (int axis = 0; axis < 3; ++axis) {
     Volume<float> component(c.known.grid);
     for (std::size_t v = 0; v < component.voxels.size(); ++v)
@@ -347,7 +354,7 @@ WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
                          Volume<Vec3>(parts.grid)};
   for (std::size_t n = 0; n < voxels.size(); ++n)
     if (thick || !ends[n]) set_voxel(result, parts.grid.offset(voxels[n][0], voxels[n][1], voxels[n][2]), at[n]);
-  smooth_normals(result);
+  smooth_normals(result, thickness_mm);
   const double unknown_mm = thick || thickness_mm <= 0 ? 0 : thickness_mm + 2;
   continue_layers(result, continued_layers + static_cast<int>(unknown_mm / parts.grid.spacing_mm.x));
   return result;

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 
 #include "generator/atlas/distance_map.hpp"
 #include "generator/fibers/atrial_rule.hpp"
@@ -156,18 +157,6 @@ void set_frames(const TetMesh& mesh, const NodeDirections& directions, FiberResu
   result.cell = cell_frames(mesh, result.node);
 }
 
-void check_settings(const TetMesh& mesh, const FiberSettings& settings) {
-  if (settings.method != "local_angles" && settings.method != "coordinates" && settings.method != "jacobian" &&
-      settings.method != "rule")
-    throw UserError(fmt::format("unknown method \"{}\"", settings.method), "fibers.method",
-                    "use \"local_angles\", \"coordinates\", \"jacobian\" or \"rule\"");
-  if (!(settings.grid_mm >= 0.3 && settings.grid_mm <= 6) || !(settings.depth_grid_mm >= 0.3) ||
-      settings.depth_grid_mm > settings.grid_mm)
-    throw UserError("the grids of the fibre stage are out of range", "fibers.grid_mm, fibers.depth_grid_mm",
-                    "use 0.3 <= depth_grid_mm <= grid_mm <= 6");
-  if (mesh.region.size() != mesh.cells.size()) throw std::invalid_argument("carry_fibers: cells without regions");
-}
-
 /// Angles between the carried axes and those of the second best method, at most 20,000 nodes evenly chosen: where two
 /// good methods disagree by much, the atlas fits badly and neither is to be trusted.
 void compare_with_second(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& nodes_mm,
@@ -235,9 +224,21 @@ struct PartClock {
 
 }  // namespace
 
+void check_settings(const FiberSettings& settings) {
+  if (settings.method != "local_angles" && settings.method != "coordinates" && settings.method != "jacobian" &&
+      settings.method != "rule")
+    throw UserError(fmt::format("unknown method \"{}\"", settings.method), "fibers.method",
+                    "use \"local_angles\", \"coordinates\", \"jacobian\" or \"rule\"");
+  if (!(settings.grid_mm >= 0.3 && settings.grid_mm <= 6) || !(settings.depth_grid_mm >= 0.3) ||
+      settings.depth_grid_mm > settings.grid_mm)
+    throw UserError("the grids of the fibre stage are out of range", "fibers.grid_mm, fibers.depth_grid_mm",
+                    "use 0.3 <= depth_grid_mm <= grid_mm <= 6");
+}
+
 FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, const Landmarks& landmarks,
                          const atlas::FiberAtlas& atlas, const FiberSettings& settings) {
-  check_settings(mesh, settings);
+  check_settings(settings);
+  if (mesh.region.size() != mesh.cells.size()) throw std::invalid_argument("carry_fibers: cells without regions");
   PartClock clock;
   auto image = atlas::image_of_atlas(atlas, settings.depth_grid_mm);
   clock.done("atlas as an image");

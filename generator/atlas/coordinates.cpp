@@ -6,7 +6,6 @@
 
 #include "generator/atlas/compact_wall.hpp"
 #include "generator/atlas/distance_map.hpp"
-#include "generator/atlas/label_surface.hpp"
 #include "generator/atlas/quadratic_continuation.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
@@ -17,10 +16,8 @@ namespace heart::atlas {
 namespace {
 
 constexpr int continued_layers = 5;
-constexpr double surface_smoothing = 2.5;        // standard deviation, in voxels of the labels: evens out their steps
+constexpr double surface_smoothing = 2.2;        // standard deviation, in voxels of the labels: evens out their steps
 constexpr double most_surface_smoothing_mm = 3;  // beyond, the wall's own curvature would go
-constexpr double respected_reach = 1.2;          // in voxels of the labels: as near steps of both kinds even out
-constexpr int respected_rounds = 6;
 constexpr double ridge_voxels = 0.085;  // of the labels: how far above the compact wall's floor a sample counts
 constexpr double no_ridge_mm = 1000;    // where labels show none, every sample counts alike
 constexpr double least_normal_smoothing_mm = 2, normal_smoothing_share = 0.4;  // of the wall's thickness
@@ -53,11 +50,7 @@ Surfaces surfaces_of(const Ventricles& ventricles, Part wall) {
   };
   const auto in_heart = [](std::uint8_t v) { return !is(v, Part::outside); };
   const Mask hull = wall == Part::lv_wall ? mask_where(parts, in_left_hull) : mask_where(parts, in_heart);
-  Surfaces surfaces{signed_distance(cavity, sigma_voxels), signed_distance(hull, sigma_voxels)};
-  const double reach_voxels = respected_reach * label_mm / spacing_mm;
-  respect_labels(cavity, reach_voxels, respected_rounds, surfaces.endocardium);
-  respect_labels(hull, reach_voxels, respected_rounds, surfaces.epicardium);
-  return surfaces;
+  return {signed_distance(cavity, sigma_voxels), signed_distance(hull, sigma_voxels)};
 }
 
 /// How far a wall is from where it ends, mm: from what lies beyond a valve, and for the right one from the left.

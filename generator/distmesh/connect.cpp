@@ -61,9 +61,9 @@ void collect_faces(const Simplices& simplices, std::span<const std::int32_t> sta
 }  // namespace
 
 std::vector<Face> hull_faces(const Simplices& inside) {
-  std::int32_t last = -1;
-  for (const auto& cell : inside.cells) last = std::max(last, *std::max_element(cell.begin(), cell.end()));
-  const auto stars = lattice::stars_of(static_cast<std::size_t>(last + 1), inside.cells);
+  std::int32_t count = 0;
+  for (const auto& cell : inside.cells) count = std::max(count, *std::max_element(cell.begin(), cell.end()) + 1);
+  const auto stars = lattice::stars_of(static_cast<std::size_t>(count), inside.cells);
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& hull) {
     std::vector<Face> faces;
     for (auto node = static_cast<std::int32_t>(begin); node < end; ++node) {
@@ -73,7 +73,7 @@ std::vector<Face> hull_faces(const Simplices& inside) {
           hull.push_back(faces[f]);
     }
   };
-  return parallel::gather<Face>(0, last + 1, find);
+  return parallel::gather<Face>(0, count, find);
 }
 
 Vec3 center_of(const Nodes& nodes, const Cell& cell, std::size_t corners) {

@@ -49,6 +49,7 @@ std::vector<Face> misfits(const Complex& c, const Materials& materials, const Fi
       found.emplace_back(-error[f], sorted(faces[f].nodes));
   std::sort(found.begin(), found.end());
   std::vector<Face> worst;
+  worst.reserve(found.size());
   for (const auto& [error_below_0, face] : found) worst.push_back(face);
   return worst;
 }

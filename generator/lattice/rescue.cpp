@@ -31,9 +31,9 @@ std::pair<std::int32_t, std::int32_t> edge_of_worst(const Complex& part, std::si
 }
 
 // What is tried with a place, in this order. To divide an edge of the worst cell first helps most often and takes
-// least; shakes of all the cells below the goal take most, and few places need them.
-constexpr int edges_of_cell = 6, modest_from = edges_of_cell, thorough_from = modest_from + 12,
-              divided_and_shaken_from = thorough_from + 12, most_tries = divided_and_shaken_from + edges_of_cell;
+// least; shakes of all the cells below the goal take most: where all else failed they seldom help.
+constexpr int edges_of_cell = 6, modest_from = edges_of_cell, thorough_from = modest_from + 6,
+              divided_and_shaken_from = thorough_from + 2, most_tries = divided_and_shaken_from + edges_of_cell;
 
 void try_to_mend(Complex& part, const Materials& materials, RepairSettings settings, double enough, int number) {
   settings.may_relabel = false;  // labels beyond the place are not seen
@@ -43,9 +43,11 @@ void try_to_mend(Complex& part, const Materials& materials, RepairSettings setti
     const int place = number < modest_from ? number : number - divided_and_shaken_from;
     const auto [a, b] = edge_of_worst(part, static_cast<std::size_t>(place));
     halve_edge(part, materials, a, b);
+    if (number < modest_from)
+      settings.sweeps = std::min(settings.sweeps, 6);  // without shakes: another edge is cheaper
     if (number >= divided_and_shaken_from) shake_up(part, materials, 0.03, static_cast<std::uint32_t>(place));
   } else {
-    const int shakes = (number - modest_from) % (thorough_from - modest_from);
+    const int shakes = number >= thorough_from ? number - thorough_from : number - modest_from;
     if (shakes > 0) shake_up(part, materials, 0.04 + 0.04 * (shakes % 4), static_cast<std::uint32_t>(shakes));
     if (number >= thorough_from) {
       settings.least = settings.goal;
@@ -91,8 +93,7 @@ struct Job {
 
 // Places around the first of the bad cells that have no cell in common; these go from the list, and so does what is
 // good enough meanwhile.
-std::vector<Job> next_places(const Complex& c, std::vector<std::int32_t>& bad, double enough) {
-  constexpr std::size_t at_once = 4;  // more would be in vain where one of them cannot be mended
+std::vector<Job> next_places(const Complex& c, std::vector<std::int32_t>& bad, double enough, std::size_t at_once) {
   std::vector<Job> jobs;
   std::vector<std::int32_t> taken;  // ascending
   std::vector<std::int32_t> left;
@@ -138,8 +139,10 @@ std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSe
   auto bad = cells_below(complex, enough);
   // More are not a few: the whole has to be made in another way.
   if (bad.size() > std::max(always, complex.cells.size() / cells_for_one)) return static_cast<std::int64_t>(bad.size());
-  for (bool is_lost = false; !is_lost && !bad.empty();) {
-    auto jobs = next_places(complex, bad, enough);
+  // The worst alone: where it cannot be mended, all others are mended in vain.
+  std::size_t at_once = 1;
+  for (bool is_lost = false; !is_lost && !bad.empty(); at_once = 4) {
+    auto jobs = next_places(complex, bad, enough, at_once);
     mend(jobs, materials, settings, enough);
     for (auto& job : jobs) {
       if (job.is_better) put_back(complex, job.place, job.best);

@@ -249,6 +249,22 @@ GivenLabels read_given_labels(const InputSettings& input, const LabelSettings& s
   return given;
 }
 
+void refuse_labels_beside_heart(const LabelVolume& labels, const CtVolume& ct, const std::string& path) {
+  constexpr int lung_hu = -200;
+  constexpr double most = 0.1;  // of true labels, a hundredth: partial volumes at the lungs
+  std::int64_t heart = 0, in_air = 0;
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
+    const auto region = static_cast<Region>(labels.voxels[v]);
+    if (!is_myocardium(region) && !is_blood(region)) continue;
+    ++heart;
+    in_air += ct.voxels[v] < lung_hu;
+  }
+  const double share = heart == 0 ? 0 : static_cast<double>(in_air) / static_cast<double>(heart);
+  if (share > most)
+    throw UserError(fmt::format("{:.0f} % of the labels' heart lies in air or lung of the CT", 100 * share), path,
+                    "are both of the same patient, and in the same frame? RAS taken for LPS turns x and y round");
+}
+
 bool same_place(const Grid& a, const Grid& b) {
   constexpr double tolerance_mm = 1e-2;
   if (a.size != b.size) return false;

@@ -23,6 +23,10 @@ struct GivenLabels {
 /// a voxel, files on different grids, labels that do not reach into `grid`, and what the readers refuse. Root only.
 GivenLabels read_given_labels(const InputSettings& input, const LabelSettings& settings, const Grid* grid);
 
+/// Throws UserError, naming `path`, where more than a tenth of the labels' heart lies in air or lung of the CT, as
+/// after a mistake between LPS and RAS or with another patient's labels. Both are on one grid.
+void refuse_labels_beside_heart(const LabelVolume& labels, const CtVolume& ct, const std::string& path);
+
 /// Whether the voxels of two grids are the same points, but for what formats that store 32-bit floats may differ by.
 bool same_place(const Grid& a, const Grid& b);
 

@@ -298,6 +298,20 @@ LabelVolume map_of(const std::vector<Region>& row) {
   return labels;
 }
 
+TEST(LabelsBesideTheHeart, AreRefusedWhereAirIsInTheirHeart) {
+  const auto labels = [](std::int64_t first) {
+    LabelVolume volume(small_grid());
+    for (std::int64_t j = 0; j < 5; ++j) volume(first, j, 0) = tag(j < 3 ? Region::lv_blood : Region::lv_myocardium);
+    return volume;
+  };
+  CtVolume ct(small_grid(), -800);
+  for (std::int64_t k = 0; k < 4; ++k)
+    for (std::int64_t j = 0; j < 5; ++j) ct(2, j, k) = 120;
+  EXPECT_NO_THROW(refuse_labels_beside_heart(labels(2), ct, "seg.nii.gz"));
+  EXPECT_THROW(refuse_labels_beside_heart(labels(4), ct, "seg.nii.gz"), UserError);
+  EXPECT_NO_THROW(refuse_labels_beside_heart(LabelVolume(small_grid()), ct, "seg.nii.gz")) << "no heart at all";
+}
+
 TEST(MissingGroups, AreThoseThatTheLabelsLackAndTheRecipeWants) {
   using enum Region;
   const LabelVolume nothing(small_grid());

@@ -1,8 +1,6 @@
 #include "exporters/bundle.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <stdio.h>
 
 #include <cmath>
 #include <limits>
@@ -21,43 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
-
-bool holds_bundle(const fs::path& folder) {
-  try {
-    return Json::parse(read_text(folder / "manifest.json")).at("schema").get<std::string>().rfind("heartgen-", 0) == 0;
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
-/// Before any work: what stands at `folder` may be replaced.
-void require_replaceable(const fs::path& folder, Existing existing) {
-  if (!fs::exists(fs::symlink_status(folder))) return;
-  if (fs::is_directory(folder) && fs::is_empty(folder)) return;
-  if (!holds_bundle(folder))
-    throw UserError("exists and is not a bundle", folder.string(), "name another output folder, or move it away");
-  if (existing == Existing::refuse)
-    throw UserError("a bundle is there already", folder.string(), "name another output folder, or allow replacing it");
-}
-
-/// Puts `prepared` at `folder` in one step where the file system can; an older bundle there is removed after that.
-void move_into_place(const fs::path& prepared, const fs::path& folder) {
-  std::error_code error;
-  if (fs::exists(folder) && !fs::is_empty(folder)) {
-    if (renameat2(AT_FDCWD, prepared.c_str(), AT_FDCWD, folder.c_str(), RENAME_EXCHANGE) == 0) {
-      fs::remove_all(prepared, error);
-      return;
-    }
-    const fs::path old = hidden_sibling(folder, "old");
-    fs::remove_all(old, error);
-    fs::rename(folder, old, error);
-    if (!error) fs::rename(prepared, folder, error);
-    if (!error) fs::remove_all(old, error);
-  } else {
-    fs::rename(prepared, folder, error);
-  }
-  if (error) throw UserError("cannot put the bundle in place: " + error.message(), folder.string(), "");
-}
 
 void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
   for (const char* name : {"meshes", "surfaces", "curves", "images", "validation"})
@@ -79,14 +40,15 @@ void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path&
   for (const auto& [name, text] : bundle.logs) write_text(folder / "logs" / name, text);
 }
 
-void require_safe_names(const Bundle& bundle) {
-  const auto check = [](const std::string& name, const char* kind) {
-    if (!is_safe_path(name) || name.find('/') != std::string::npos)
-      throw UserError(fmt::format("'{}' cannot be the name of a {}", name, kind), "bundle", "use letters, digits, _");
-  };
-  check(bundle.name, "bundle");
-  for (const auto& [name, mesh] : bundle.meshes) check(name, "mesh");
-  for (const auto& [name, text] : bundle.logs) check(name, "log");
+void require_safe_name(const std::string& name, const char* kind) {
+  if (!is_safe_path(name) || name.find('/') != std::string::npos)
+    throw UserError(fmt::format("'{}' cannot be the name of a {}", name, kind), "bundle", "use letters, digits, _");
+}
+
+void check_names(const Bundle& bundle) {
+  require_safe_names(bundle.name, bundle.version);
+  for (const auto& [name, mesh] : bundle.meshes) require_safe_name(name, "mesh");
+  for (const auto& [name, text] : bundle.logs) require_safe_name(name, "log");
 }
 
 /// The path of a file that the manifest names.
@@ -98,27 +60,25 @@ fs::path inside(const fs::path& folder, const std::string& path) {
 
 }  // namespace
 
+void require_safe_names(const std::string& name, const std::string& version) {
+  require_safe_name(name, "bundle");
+  require_safe_name(version, "version");
+}
+
+std::string write_bundle(const Bundle& bundle, const ReservedPlace& place, Existing existing) {
+  check_names(bundle);
+  Manifest manifest = describe_bundle(bundle);
+  write_files(bundle, manifest, place.partial);
+  manifest.files = hash_files(place.partial);
+  manifest.content_id = content_id(manifest.files);
+  write_text(place.partial / "manifest.json", manifest_text(manifest));
+  move_into_place(place, existing);
+  return manifest.content_id;
+}
+
 std::string write_bundle(const Bundle& bundle, const fs::path& folder, Existing existing) {
-  const fs::path target = plain_path(folder);
-  require_safe_names(bundle);
-  require_replaceable(target, existing);
-  const fs::path partial = hidden_sibling(target, "partial");
-  std::error_code error;
-  fs::remove_all(partial, error);  // what a killed run left there
-  fs::create_directories(partial, error);
-  if (error) throw UserError("cannot be made: " + error.message(), target.string(), "name another output folder");
-  try {
-    Manifest manifest = describe_bundle(bundle);
-    write_files(bundle, manifest, partial);
-    manifest.files = hash_files(partial);
-    manifest.content_id = content_id(manifest.files);
-    write_text(partial / "manifest.json", manifest_text(manifest));
-    move_into_place(partial, target);
-    return manifest.content_id;
-  } catch (...) {
-    fs::remove_all(partial, error);
-    throw;
-  }
+  check_names(bundle);
+  return write_bundle(bundle, reserve_place(folder, existing), existing);
 }
 
 Manifest read_manifest(const fs::path& folder) {

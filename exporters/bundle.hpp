@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "exporters/reserved_place.hpp"
 #include "model/report.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
@@ -75,11 +76,13 @@ struct Manifest {
   std::vector<double> torso_from_heart;  ///< as in Bundle; not written where empty
 };
 
-enum class Existing { refuse, replace };
+/// Throws UserError where a bundle cannot have that name or version: both are part of an archive's folder name.
+void require_safe_names(const std::string& name, const std::string& version);
 
 /// Writes a bundle and returns its content id. The files are written into a sibling folder that takes the place of
-/// `folder` at the end, so that no half-written bundle ever stands there. Throws UserError when `folder` exists and is
-/// not a bundle, or is one and `existing` is refuse, or cannot be written.
+/// `folder` at the end, so that no half-written bundle ever stands there. Throws UserError as reserve_place does, or
+/// when something cannot be written.
+std::string write_bundle(const Bundle& bundle, const ReservedPlace& place, Existing existing);
 std::string write_bundle(const Bundle& bundle, const std::filesystem::path& folder,
                          Existing existing = Existing::refuse);
 

@@ -4,7 +4,9 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -15,6 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// How the names of lengths, volumes and shares end.
+constexpr const char* never_negative[] = {"_mm", "_ml", "_hu", "_gap", "_fraction"};
+
 // ---- reading ----
 
 bool assign(const toml::node& node, std::string& value) {
@@ -22,8 +27,10 @@ bool assign(const toml::node& node, std::string& value) {
   return false;
 }
 bool assign(const toml::node& node, int& value) {
-  if (const auto* number = node.as_integer()) return value = static_cast<int>(number->get()), true;
-  return false;
+  const auto* number = node.as_integer();
+  if (!number || !std::in_range<int>(number->get())) return false;
+  value = static_cast<int>(number->get());
+  return true;
 }
 bool assign(const toml::node& node, double& value) {
   if (const auto number = node.value<double>(); number && node.is_number()) return value = *number, true;
@@ -72,6 +79,26 @@ const char* expected(const std::vector<double>&) { return "a list of numbers"; }
 const char* expected(const LabelKeys&) { return "a list of values or names"; }
 const char* expected(const Vec3&) { return "three numbers [x, y, z] in LPS mm"; }
 
+/// What no setting of that name can be; nullptr: nothing is wrong with it. Bounds that need more knowledge are checked
+/// by those who use the setting.
+template <class T>
+const char* mistake_in(const std::string&, const T&) {
+  return nullptr;
+}
+const char* mistake_in(const std::string& key, double value) {
+  if (!std::isfinite(value)) return "must be finite";
+  const bool measures = std::any_of(std::begin(never_negative), std::end(never_negative),
+                                    [&](const char* ending) { return key.ends_with(ending); });
+  return measures && value < 0 ? "must not be negative" : nullptr;
+}
+const char* mistake_in(const std::string&, int value) { return value < 0 ? "must not be negative" : nullptr; }
+const char* mistake_in(const std::string&, const std::vector<int>& values) {
+  return std::any_of(values.begin(), values.end(), [](int v) { return v < 0; }) ? "must not be negative" : nullptr;
+}
+const char* mistake_in(const std::string&, const Vec3& v) {
+  return std::isfinite(v.x + v.y + v.z) ? nullptr : "must be finite";
+}
+
 std::string place(const std::string& path, const toml::node& node) {
   return fmt::format("{}:{}", path, node.source().begin.line);
 }
@@ -89,9 +116,12 @@ struct Section {
   void take(const std::string& key, T& value) {
     known.push_back(key);
     const auto* node = table.get(key);
-    if (node && !assign(*node, value))
+    if (!node) return;
+    if (!assign(*node, value))
       throw UserError(fmt::format("key \"{}\" must be {}", full(key), expected(value)), place(path, *node),
                       "correct the recipe");
+    if (const char* mistake = mistake_in(key, value))
+      throw UserError(fmt::format("key \"{}\" {}", full(key), mistake), place(path, *node), "correct the recipe");
   }
 
   const toml::table* subtable(const std::string& key) {

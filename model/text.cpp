@@ -1,8 +1,10 @@
 #include "model/text.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <fstream>
 #include <numeric>
@@ -54,6 +56,17 @@ double parse_number(std::string_view text, const std::string& where) {
   if (error != std::errc{} || end != text.data() + text.size())
     throw UserError(fmt::format("\"{}\" is not a number", text), where, "write a number such as 0.5");
   return value;
+}
+
+void prepare_output(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error && (path.empty() || fs::is_directory(path))) error = std::make_error_code(std::errc::is_a_directory);
+  const fs::path target = fs::exists(path) ? path : folder;
+  if (!error && access(target.c_str(), W_OK) != 0) error = {errno, std::generic_category()};
+  if (error) throw UserError("cannot be written: " + error.message(), path.string(), "name another file");
 }
 
 void write_text(const std::filesystem::path& path, std::string_view text) {

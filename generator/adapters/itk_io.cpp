@@ -1,12 +1,9 @@
 #include "generator/adapters/itk_io.hpp"
 
 #include <fmt/format.h>
-#include <itkGDCMImageIO.h>
-#include <itkGDCMSeriesFileNames.h>
 #include <itkImageFileReader.h>
 #include <itkImageFileWriter.h>
 #include <itkImageIOFactory.h>
-#include <itkImageSeriesReader.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIOFactory.h>
 #include <itkNiftiImageIOFactory.h>
@@ -22,8 +19,11 @@
 #include <fstream>
 #include <limits>
 
+#include "generator/adapters/dicom_io.hpp"
+#include "generator/adapters/itk_volume.hpp"
 #include "generator/adapters/nifti_io.hpp"
 #include "model/error.hpp"
+#include "model/text.hpp"
 
 namespace heart::adapters {
 namespace {
@@ -44,9 +44,6 @@ void register_formats() {
   }();
   static_cast<void>(done);
 }
-
-template <class T>
-using Image = itk::Image<T, 3>;
 
 /// The double nearest to `value` with that many decimals; dividing (not multiplying by 1e-6) gives the same bits as
 /// reading the decimal text.
@@ -79,29 +76,6 @@ std::array<int, 3> nearest_axes(const Mat3& direction) {
     used[static_cast<std::size_t>(best_column)] = true;
   }
   return source;
-}
-
-template <class ItkImage>
-Grid grid_of(const ItkImage& image) {
-  Grid grid;
-  const auto region = image.GetLargestPossibleRegion();
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    grid.size[axis] = static_cast<std::int64_t>(region.GetSize()[axis]);
-    grid.spacing_mm[static_cast<int>(axis)] = image.GetSpacing()[axis];
-    grid.origin_mm[static_cast<int>(axis)] = image.GetOrigin()[axis];
-    for (unsigned row = 0; row < 3; ++row)
-      grid.direction[static_cast<int>(row)][static_cast<int>(axis)] = image.GetDirection()(row, axis);
-  }
-  return grid;
-}
-
-template <class T>
-Volume<T> plain_volume(const Image<T>& image) {
-  Volume<T> volume;
-  volume.grid = grid_of(image);
-  const T* data = image.GetBufferPointer();
-  volume.voxels.assign(data, data + volume.grid.voxel_count());
-  return volume;
 }
 
 /// Refuses what cannot become a model before any voxel is read.
@@ -148,33 +122,24 @@ void check_spacing(const Grid& grid, const std::string& path) {
                     path, "resample the volume or use a thinner reconstruction");
 }
 
-Volume<float> read_series(const std::string& folder) {
-  const auto names = itk::GDCMSeriesFileNames::New();
-  names->SetUseSeriesDetails(true);
-  names->SetDirectory(folder);
-  const auto series = names->GetSeriesUIDs();
-  if (series.empty()) throw UserError("holds no DICOM series", folder, known_formats);
-  if (series.size() > 1)
-    throw UserError(fmt::format("holds {} DICOM series", series.size()), folder,
-                    "put the wanted one in a folder of its own");
-  const auto reader = itk::ImageSeriesReader<Image<float>>::New();
-  const auto io = itk::GDCMImageIO::New();
-  reader->SetImageIO(io);
-  reader->SetFileNames(names->GetFileNames(series.front()));
-  reader->Update();
-  double deviation = 0;
-  itk::ExposeMetaData<double>(reader->GetOutput()->GetMetaDataDictionary(), "ITK_non_uniform_sampling_deviation",
-                              deviation);
-  if (deviation > 0.1 * reader->GetOutput()->GetSpacing()[2])
-    throw UserError(fmt::format("slices are missing or unevenly spaced (off by {:.2f} mm)", deviation), folder,
-                    "export the whole series again");
-  return plain_volume(*reader->GetOutput());
+/// A patient of less than a few millimetres, or of many metres, comes from lengths in another unit.
+void check_extent(const Grid& grid, const std::string& path) {
+  constexpr double least_mm = 2, most_mm = 1e4;
+  double largest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    largest = std::max(largest, grid.spacing_mm[axis] * static_cast<double>(grid.size[static_cast<std::size_t>(axis)]));
+  if (largest < least_mm || largest > most_mm)
+    throw UserError(fmt::format("is {:.3g} mm wide, which no patient is", largest), path,
+                    "give spacing and origin in mm, not in m or um");
 }
 
+bool is_meta_image(const std::string& path) { return path.ends_with(".mhd") || path.ends_with(".mha"); }
 bool is_nifti(const std::string& path) { return path.ends_with(".nii") || path.ends_with(".nii.gz"); }
 
 itk::ImageIOBase::Pointer open_header(const std::string& path) {
   const auto io = itk::ImageIOFactory::CreateImageIO(path.c_str(), itk::ImageIOFactory::ReadMode);
+  if (!io && is_dicom_file(path))
+    throw UserError("is one file of a DICOM series", path, "name the folder that holds the series and nothing else");
   if (!io) throw UserError("is no image of a known format, or its header is damaged", path, known_formats);
   io->SetFileName(path);
   io->ReadImageInformation();
@@ -188,14 +153,16 @@ std::string meta_value(const std::string& line, const std::string& key) {
   return first == std::string::npos ? std::string{} : line.substr(first, line.find_last_not_of(" \r") - first + 1);
 }
 
-/// The library reads a truncated MetaImage without an error. `voxel_bytes`: of the voxels when not compressed. Voxels
-/// in a list of files or in a file of a named pattern are left to the library.
-void check_meta_image_length(const std::string& path, std::uintmax_t voxel_bytes) {
+/// The library reads a truncated MetaImage, and one with a negative spacing, without an error. `voxel_bytes`: of the
+/// voxels when not compressed. Voxels in a list of files or in a file of a named pattern are left to the library.
+void check_meta_image(const std::string& path, std::uintmax_t voxel_bytes, const char* remedy) {
   std::ifstream header(path, std::ios::binary);
   std::uintmax_t expected = voxel_bytes;
   std::string data_file;
   for (std::string line; data_file.empty() && std::getline(header, line);
        data_file = meta_value(line, "ElementDataFile")) {
+    if (meta_value(line, "ElementSpacing").find('-') != std::string::npos)
+      throw UserError("has a voxel spacing that is not positive", path, "turn the axis in TransformMatrix instead");
     if (meta_value(line, "CompressedData") == "True") expected = 0;  // unknown, when no size follows
     const auto size = meta_value(line, "CompressedDataSize");
     std::from_chars(size.data(), size.data() + size.size(), expected);
@@ -205,8 +172,7 @@ void check_meta_image_length(const std::string& path, std::uintmax_t voxel_bytes
   if (data_file == "LIST" || !fs::is_regular_file(data)) return;
   const auto start = local ? static_cast<std::uintmax_t>(header.tellg()) : 0;
   if (fs::file_size(data) < start + expected)
-    throw UserError(local ? "is truncated" : fmt::format("its voxels in {} are truncated", data_file), path,
-                    "copy or download it again");
+    throw UserError(local ? "is truncated" : fmt::format("its voxels in {} are truncated", data_file), path, remedy);
 }
 
 Volume<float> read_file(const std::string& path, bool allow_2d) {
@@ -216,8 +182,8 @@ Volume<float> read_file(const std::string& path, bool allow_2d) {
   }
   const auto io = open_header(path);
   check_header(*io, path, allow_2d);
-  if (path.ends_with(".mhd") || path.ends_with(".mha"))
-    check_meta_image_length(path, static_cast<std::uintmax_t>(io->GetImageSizeInBytes()));
+  if (is_meta_image(path))
+    check_meta_image(path, static_cast<std::uintmax_t>(io->GetImageSizeInBytes()), "copy or download it again");
   const auto reader = itk::ImageFileReader<Image<float>>::New();
   reader->SetImageIO(io);
   reader->SetFileName(path);
@@ -225,15 +191,26 @@ Volume<float> read_file(const std::string& path, bool allow_2d) {
   return plain_volume(*reader->GetOutput());
 }
 
+/// As all messages are.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+UserError unreadable(const std::string& path, const itk::ExceptionObject& error) {
+  return {fmt::format("cannot be read: {}", one_line(error.GetDescription())), path, "is it complete and undamaged?"};
+}
+
 Volume<float> read_any(const std::string& path, bool allow_2d) {
   if (!fs::exists(path)) throw UserError("does not exist", path, "check the path");
   register_formats();
   Volume<float> volume;
   try {
-    volume = fs::is_directory(path) ? read_series(path) : read_file(path, allow_2d);
+    volume = fs::is_directory(path) ? read_dicom_series(path) : read_file(path, allow_2d);
   } catch (const itk::ExceptionObject& error) {
-    throw UserError(fmt::format("cannot be read: {}", error.GetDescription()), path, "is it complete and undamaged?");
+    throw unreadable(path, error);
   }
+  check_size(volume.grid.size, path, allow_2d);
   check_spacing(volume.grid, path);
   for (const float value : volume.voxels)
     if (!std::isfinite(value)) throw UserError("contains NaN or infinite voxels", path, "repair the image");
@@ -316,9 +293,27 @@ Volume<To> converted(const Volume<float>& in) {
   return out;
 }
 
+/// The NIfTI library says nothing when a file cannot be made or the disk is full. A compressed file ends with the
+/// number of bytes in it, modulo 2^32.
+void check_written_nifti(const std::string& path, std::uintmax_t voxel_bytes) {
+  constexpr std::uintmax_t header_bytes = 352;
+  std::error_code error;
+  const auto on_disk = fs::file_size(path, error);
+  bool whole = !error && on_disk >= header_bytes + voxel_bytes;
+  if (!error && path.ends_with(".gz")) {
+    std::array<unsigned char, 4> last{};
+    std::ifstream file(path, std::ios::binary);
+    file.seekg(-4, std::ios::end).read(reinterpret_cast<char*>(last.data()), last.size());
+    std::uint32_t bytes = 0;
+    for (std::size_t b = 0; b < last.size(); ++b) bytes |= std::uint32_t{last[b]} << (8 * b);
+    whole = file && bytes == static_cast<std::uint32_t>(header_bytes + voxel_bytes);
+  }
+  if (!whole) throw UserError("cannot be written", path, "is there room on the disk, and the right to write there?");
+}
+
 template <class T>
 void write(const std::string& path, const Volume<T>& volume) {
-  check_image_name(path);
+  prepare_image_output(path);
   register_formats();
   const auto image = Image<T>::New();
   typename Image<T>::SizeType size;
@@ -345,8 +340,11 @@ void write(const std::string& path, const Volume<T>& volume) {
   try {
     writer->Update();
   } catch (const itk::ExceptionObject& error) {
-    throw UserError(fmt::format("cannot be written: {}", error.GetDescription()), path, known_formats);
+    throw UserError(fmt::format("cannot be written: {}", one_line(error.GetDescription())), path,
+                    "is there room on the disk, and the right to write there?");
   }
+  if (is_nifti(path)) check_written_nifti(path, volume.voxels.size() * sizeof(T));
+  if (is_meta_image(path)) check_meta_image(path, volume.voxels.size() * sizeof(T), "is there room on the disk?");
 }
 
 }  // namespace
@@ -384,7 +382,11 @@ template Volume<float> with_canonical_axes(const Volume<float>&);
 template Volume<std::int16_t> with_canonical_axes(const Volume<std::int16_t>&);
 template Volume<std::uint8_t> with_canonical_axes(const Volume<std::uint8_t>&);
 
-CtVolume read_ct(const std::string& path) { return converted<std::int16_t>(read_any(path, false)); }
+CtVolume read_ct(const std::string& path) {
+  const Volume<float> image = read_any(path, false);
+  check_extent(image.grid, path);
+  return converted<std::int16_t>(image);
+}
 
 LabelVolume read_labels(const std::string& path) {
   const Volume<float> image = read_any(path, false);
@@ -401,16 +403,17 @@ LabelImage read_label_image(const std::string& path) {
   try {
     return read_segmentation(path);
   } catch (const itk::ExceptionObject& error) {
-    throw UserError(fmt::format("cannot be read: {}", error.GetDescription()), path, "is it complete and undamaged?");
+    throw unreadable(path, error);
   }
 }
 
 Volume<float> read_image(const std::string& path) { return read_any(path, true); }
 
-void check_image_name(const std::string& path) {
+void prepare_image_output(const std::string& path) {
   constexpr std::array endings{".nii", ".nii.gz", ".nrrd", ".mhd", ".mha"};
   if (std::none_of(endings.begin(), endings.end(), [&](const char* ending) { return path.ends_with(ending); }))
     throw UserError("is of no known kind", path, "use .nii.gz, .nii, .nrrd, .mha or .mhd");
+  prepare_output(path);
 }
 
 void write_volume(const std::string& path, const Volume<std::int16_t>& volume) { write(path, volume); }

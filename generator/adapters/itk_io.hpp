@@ -12,7 +12,7 @@ namespace heart::adapters {
 
 /// Reads a CT (Hounsfield units). `path` is an image file or a folder that holds exactly one DICOM series.
 /// Throws UserError: missing or unreadable file, truncated data, not 3D, NaN, anisotropy beyond 10:1, missing
-/// slices, several series, or a volume too large for this machine's memory.
+/// slices, several series, lengths that are not in mm, or a volume too large for this machine's memory.
 CtVolume read_ct(const std::string& path);
 
 /// Reads an integer label map (0 to 255). Errors as read_ct.
@@ -38,8 +38,9 @@ LabelImage read_label_image(const std::string& path);
 /// Reads any scalar image as float, 2D images as one slice (for `heartgen filter`).
 Volume<float> read_image(const std::string& path);
 
-/// Throws UserError when write_volume knows no format for the ending: commands ask before their long work.
-void check_image_name(const std::string& path);
+/// Commands call it before their long work: makes the folder. Throws UserError when write_volume knows no format for
+/// the ending, or nothing can be written there.
+void prepare_image_output(const std::string& path);
 
 /// Writes .nii, .nii.gz, .nrrd, .mhd, .mha (compressed where the format can). Throws UserError on failure.
 void write_volume(const std::string& path, const Volume<std::int16_t>& volume);

@@ -24,18 +24,24 @@ mat44 ras_from_index(const nifti_image& image) {
   return image.qto_xyz;  // the library fills it from pixdim when there is no qform either
 }
 
+/// Length of the file's unit; files that name none mean mm.
+double unit_mm(const nifti_image& image) {
+  return image.xyz_units == NIFTI_UNITS_METER ? 1000 : image.xyz_units == NIFTI_UNITS_MICRON ? 1e-3 : 1;
+}
+
 Grid grid_of(const nifti_image& image, const std::string& path) {
   Grid grid;
   grid.size = {image.nx, image.ny, std::max<std::int64_t>(image.nz, 1)};
   const mat44 m = ras_from_index(image);
+  const double unit = unit_mm(image);
   std::array<Vec3, 3> columns;
   for (int axis = 0; axis < 3; ++axis) {
-    Vec3 column{-m.m[0][axis], -m.m[1][axis], m.m[2][axis]};
+    const Vec3 column = unit * Vec3{-m.m[0][axis], -m.m[1][axis], m.m[2][axis]};
     grid.spacing_mm[axis] = norm(column);
     columns[static_cast<std::size_t>(axis)] = normalized(column);
     for (int row = 0; row < 3; ++row) grid.direction[row][axis] = columns[static_cast<std::size_t>(axis)][row];
   }
-  grid.origin_mm = {-m.m[0][3], -m.m[1][3], m.m[2][3]};
+  grid.origin_mm = unit * Vec3{-m.m[0][3], -m.m[1][3], m.m[2][3]};
   const double skew = std::max({std::abs(dot(columns[0], columns[1])), std::abs(dot(columns[0], columns[2])),
                                 std::abs(dot(columns[1], columns[2]))});
   if (!(skew < 1e-3))
@@ -87,6 +93,10 @@ void copy_voxels(const nifti_image& image, const std::string& path, std::vector<
       return copy_scaled<std::int32_t>(image, bytes, to);
     case DT_UINT32:
       return copy_scaled<std::uint32_t>(image, bytes, to);
+    case DT_INT64:
+      return copy_scaled<std::int64_t>(image, bytes, to);
+    case DT_UINT64:
+      return copy_scaled<std::uint64_t>(image, bytes, to);
     case DT_FLOAT32:
       return copy_scaled<float>(image, bytes, to);
     case DT_FLOAT64:
@@ -97,9 +107,22 @@ void copy_voxels(const nifti_image& image, const std::string& path, std::vector<
   }
 }
 
+/// The length of the header, with which a file begins, in either byte order.
+bool is_version_2(const std::string& path) {
+  constexpr std::int32_t version_2_bytes = 540;
+  std::int32_t length = 0;
+  const std::unique_ptr<gzFile_s, decltype(&gzclose)> file(gzopen(path.c_str(), "rb"), &gzclose);
+  if (!file || gzread(file.get(), &length, sizeof length) != sizeof length) return false;
+  std::int32_t swapped = length;
+  nifti_swap_4bytes(1, &swapped);
+  return length == version_2_bytes || swapped == version_2_bytes;
+}
+
 NiftiImage read_header(const std::string& path) {
   nifti_set_debug_level(0);
   NiftiImage image(nifti_image_read(path.c_str(), 0), &nifti_image_free);
+  if (!image && is_version_2(path))
+    throw UserError("is of version 2 of the NIfTI format, which is not read", path, "save it as NIfTI-1 or as .nrrd");
   if (!image) throw UserError("is no NIfTI file, or its header is damaged", path, "is it complete and undamaged?");
   if (image->ndim > 3 && image->nvox != static_cast<std::size_t>(image->nx) * static_cast<std::size_t>(image->ny) *
                                             static_cast<std::size_t>(image->nz))

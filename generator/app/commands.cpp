@@ -12,6 +12,8 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/app/mesh_certificate.hpp"
 #include "generator/app/pipeline.hpp"
+#include "generator/app/resolutions.hpp"
+#include "generator/app/stage_files.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/segment/filters.hpp"
@@ -219,6 +221,7 @@ int info_command(const std::string& bundle, bool json) {
 }
 
 int report_command(const std::string& bundle, const std::string& html, const std::string& ct_path) {
+  prepare_output(html);
   const auto manifest = exporters::read_manifest(bundle);
   const auto meshes = read_meshes(bundle);
   const LabelVolume labels = exporters::read_labels(bundle);
@@ -249,7 +252,7 @@ int filter_command(const FilterCommand& command, const parallel::Comm& comm) {
                       "write --name value");
     parameters[key.substr(2)] = parse_number(command.parameters[i + 1], "filter " + command.name + " " + key);
   }
-  adapters::check_image_name(command.output);
+  adapters::prepare_image_output(command.output);
   const auto image = parallel::run_on_root(comm, [&] { return adapters::read_image(command.input); });
   const auto result = segment::apply_filter(command.name, image, parameters, comm);
   parallel::run_on_root(comm, [&] { adapters::write_volume(command.output, result); });
@@ -271,12 +274,16 @@ int mesh_command(const MeshCommand& command) {
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
   if (command.wall_layers) settings.wall_layers = *command.wall_layers;
   if (!command.backend.empty()) settings.backend = command.backend;
+  if (!command.output.ends_with(".vtu"))
+    throw UserError("is of no known kind", command.output, "give a name that ends in .vtu");
+  prepare_output(command.output);
   mesh::LatticeReport steps;
   steps.on_step = [](const std::string& step, double seconds) {
     fmt::print(stderr, "  {:<8} {:7.2f} s\n", step, seconds);
     std::fflush(stderr);
   };
-  const LabelVolume labels = adapters::read_labels(command.labels);
+  const LabelVolume labels = read_region_labels(command.labels);
+  check_memory(labels, settings, machine_memory_bytes());
   Volume<float> own_edges_mm;
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
   const TetMesh mesh =
@@ -300,6 +307,7 @@ int mesh_command(const MeshCommand& command) {
 }
 
 int landmarks_command(const std::string& ct, const std::string& output, bool json) {
+  if (!output.empty()) prepare_output(output);
   const auto found = landmarks::find_landmarks(adapters::read_ct(ct));
   const std::string text = write_landmarks(found.landmarks);
   if (!output.empty()) write_text(output, text);

@@ -12,6 +12,7 @@
 #include "generator/segment/epicardium.hpp"
 #include "generator/segment/fuse_labels.hpp"
 #include "generator/segment/hierarchy.hpp"
+#include "generator/segment/hounsfield.hpp"
 #include "generator/segment/trachea.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -113,6 +114,7 @@ KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe
   });
   known.missing = parallel::run_on_root(run.comm, [&] {
     auto missing = labels::missing_groups(known.given->labels, recipe.labels);
+    if (has_ct) labels::refuse_labels_beside_heart(known.given->labels, *ct, recipe.input.labels);
     if (!has_ct) refuse_what_needs_a_ct(known.given->labels, missing, recipe.input.labels);
     remarks.insert(remarks.end(), known.given->remarks.begin(), known.given->remarks.end());
     remarks.push_back(completion_remark(missing, has_ct));
@@ -131,6 +133,7 @@ Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe&
 
   const bool make_chambers = known.missing.chambers && !from_file("chambers");
   const bool make_body = known.missing.body && !from_file("body");
+  if (make_chambers || make_body) parallel::run_on_root(run.comm, [&] { segment::require_hounsfield(*ct); });
   const LabelVolume given = labels_not_from_files(run, *known.given);
   Staged<Volume<float>> smooth;
   Staged<segment::SegmentationTree> tree;

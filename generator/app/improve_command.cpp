@@ -13,6 +13,7 @@
 #include "generator/improve/carry_data.hpp"
 #include "generator/improve/msh_file.hpp"
 #include "model/error.hpp"
+#include "model/text.hpp"
 #include "validation/cell_quality.hpp"
 
 namespace heart::app {
@@ -217,6 +218,7 @@ void check_paths(const ImproveCommand& command) {
     if (extension != ".vtu" && extension != ".vtk" && extension != ".msh")
       throw UserError("is of no known kind", path, "use .vtu, .vtk or .msh");
   }
+  prepare_output(command.output);
 }
 
 }  // namespace

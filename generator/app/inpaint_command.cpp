@@ -75,7 +75,6 @@ Counts counts_of(const Input& before, const Volume<Vec3>& after) {
 }
 
 void write(const InpaintCommand& command, const Volume<Vec3>& fiber) {
-  fs::create_directories(command.output);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     Volume<float> component(fiber.grid);
     for (std::size_t v = 0; v < component.voxels.size(); ++v)
@@ -87,7 +86,10 @@ void write(const InpaintCommand& command, const Volume<Vec3>& fiber) {
 }  // namespace
 
 int inpaint_command(const InpaintCommand& command, const parallel::Comm& comm) {
-  const auto input = parallel::run_on_root(comm, [&] { return read_input(command); });
+  const auto input = parallel::run_on_root(comm, [&] {
+    for (std::size_t axis = 0; axis < 3; ++axis) adapters::prepare_image_output(path_in(command.output, axis));
+    return read_input(command);
+  });
   const auto filled = fibers::inpaint_axes(input.fiber, input.wall, command.iterations, comm);
   parallel::run_on_root(comm, [&] {
     write(command, filled);

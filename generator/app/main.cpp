@@ -3,6 +3,8 @@
 
 #include <clocale>
 #include <cstdio>
+#include <filesystem>
+#include <new>
 
 #include "generator/app/options.hpp"
 #include "generator/app/versions.hpp"
@@ -33,6 +35,25 @@ int parse_failed(Program& p, const CLI::ParseError& error) {
   return exit_user;
 }
 
+/// Of the exception that is being handled: its message, and its exit code. What the machine lacks is no defect.
+int explained(bool speaks) {
+  const auto tell = [&](const std::string& text) {
+    if (speaks) fmt::print(stderr, "heartgen: {}\n", text);
+  };
+  try {
+    throw;
+  } catch (const UserError& error) {
+    return tell(error.what()), exit_user;
+  } catch (const std::filesystem::filesystem_error& error) {
+    return tell(UserError(error.code().message(), error.path1().string(), "check rights and the space left").message),
+           exit_user;
+  } catch (const std::bad_alloc&) {
+    return tell("not enough memory (take longer edges, a smaller image or a larger machine)"), exit_user;
+  } catch (const std::exception& error) {
+    return tell(std::string("internal error: ") + error.what()), exit_defect;
+  }
+}
+
 /// Mistakes and defects become messages and exit codes.
 int command_line(int argc, char** argv) {
   const parallel::Environment environment(&argc, &argv);
@@ -52,12 +73,8 @@ int command_line(int argc, char** argv) {
   }
   try {
     return run(p);
-  } catch (const UserError& error) {
-    if (p.comm.is_root()) fmt::print(stderr, "heartgen: {}\n", error.what());
-    return exit_user;
-  } catch (const std::exception& error) {
-    if (p.comm.is_root()) fmt::print(stderr, "heartgen: internal error: {}\n", error.what());
-    return exit_defect;
+  } catch (...) {
+    return explained(p.comm.is_root());
   }
 }
 

@@ -6,7 +6,9 @@
 
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
+#include "generator/app/check_inputs.hpp"
 #include "generator/app/image_stages.hpp"
+#include "generator/app/input_files.hpp"
 #include "generator/app/mesh_certificate.hpp"
 #include "generator/app/resolutions.hpp"
 #include "generator/app/run.hpp"
@@ -14,7 +16,6 @@
 #include "generator/app/versions.hpp"
 #include "generator/atlas/atlas.hpp"
 #include "generator/fibers/carry.hpp"
-#include "generator/labels/presets.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
 #include "generator/segment/vessel.hpp"
@@ -30,64 +31,11 @@ namespace {
 namespace fs = std::filesystem;
 using Meshes = std::map<std::string, TetMesh>;
 
-const std::vector<std::string> mesh_names = {"myocardium", "chambers", "torso", "trachea", "carotid"};
-
-bool wants(const Recipe& recipe, const std::string& mesh) {
-  return std::find(recipe.mesh.meshes.begin(), recipe.mesh.meshes.end(), mesh) != recipe.mesh.meshes.end();
-}
-
-void check_recipe(const Recipe& recipe, const BuildOptions& options) {
-  if (recipe.input.ct.empty() && recipe.input.labels.empty())
-    throw UserError("no CT given", "input.ct", "name it in the recipe or with --ct; or give labels alone");
-  for (const auto& mesh : recipe.mesh.meshes)
-    if (std::find(mesh_names.begin(), mesh_names.end(), mesh) == mesh_names.end())
-      throw UserError(fmt::format("unknown mesh \"{}\"", mesh), "mesh.meshes",
-                      fmt::format("known meshes: {}", fmt::join(mesh_names, ", ")));
-  if (!wants(recipe, "myocardium"))
-    throw UserError("\"myocardium\" is missing: every bundle has it", "mesh.meshes", "add it to the list");
-  check_resolutions(recipe.mesh);
-  const auto require = [](const char* section) {
-    return [section](const char* key, const std::string& path, const char*) {
-      if (!path.empty() && !fs::exists(path))
-        throw UserError("does not exist", path, fmt::format("check {}.{}", section, key));
-    };
-  };
-  InputSettings::describe(require("input"), recipe.input);
-  ReplaceSettings::describe(require("replace"), recipe.replace);
-  check_torso(recipe.torso);
-  labels::label_preset(recipe.labels.preset);
-  if (!recipe.replace.landmarks.empty() && chambers_are_marked(recipe.landmarks))
-    throw UserError("all chambers have seeds already, so that none are looked for", "replace.landmarks",
-                    "leave out this file, or the seeds");
-  if (fs::exists(options.output) && !options.replace)
-    throw UserError("already exists", options.output.string(), "choose another --output, or replace it with --force");
-}
-
 Mask region_mask(const LabelVolume& labels, Region region) {
   Mask mask(labels.grid);
   std::transform(labels.voxels.begin(), labels.voxels.end(), mask.voxels.begin(),
                  [&](std::uint8_t label) { return static_cast<std::uint8_t>(label == tag(region)); });
   return mask;
-}
-
-/// The carotid's seed belongs to its own angiogram.
-void check_seeds_inside(const Grid& grid, const Landmarks& landmarks) {
-  const Vec3 last{static_cast<double>(grid.size[0] - 1), static_cast<double>(grid.size[1] - 1),
-                  static_cast<double>(grid.size[2] - 1)};
-  const Vec3 low = grid.origin_mm, high = lps_from_index(grid, last);
-  for (const auto& [name, p] : landmarks.seeds_mm)
-    if (name != "carotid" && !contains_point(grid, p))
-      throw UserError(fmt::format("seed {} at ({}, {}, {}) mm lies outside the image", name, p.x, p.y, p.z),
-                      "landmarks",
-                      fmt::format("the image reaches from ({:.1f}, {:.1f}, {:.1f}) to ({:.1f}, {:.1f}, {:.1f}) mm, LPS",
-                                  low.x, low.y, low.z, high.x, high.y, high.z));
-}
-
-Vec3 carotid_seed(const Recipe& recipe) {
-  const auto seed = recipe.landmarks.seeds_mm.find("carotid");
-  if (seed == recipe.landmarks.seeds_mm.end())
-    throw UserError("no seed for the carotid", "landmarks.seeds_mm", "give a point in its lumen as \"carotid\"");
-  return seed->second;
 }
 
 Meshes heart_meshes(const Recipe& recipe, const LabelVolume& labels) {
@@ -332,26 +280,6 @@ void settle_replacements(const Run& run, ReplaceSettings& replace, std::vector<e
 
 }  // namespace
 
-exporters::BundleInput hash_input(const std::string& role, const std::string& path) {
-  exporters::BundleInput input{role + ": " + fs::path(path).filename().string(), "", 0};
-  if (!fs::is_directory(path)) {
-    input.sha256 = exporters::sha256_of_file(path);
-    input.bytes = static_cast<std::int64_t>(fs::file_size(path));
-    return input;
-  }
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(path))
-    if (entry.is_regular_file()) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  std::string list;
-  for (const auto& file : files) {
-    list += file.filename().string() + " " + exporters::sha256_of_file(file) + "\n";
-    input.bytes += static_cast<std::int64_t>(fs::file_size(file));
-  }
-  input.sha256 = exporters::sha256_of_text(list);
-  return input;
-}
-
 BuildResult build(const Recipe& given, const BuildOptions& options, const parallel::Comm& comm) {
   Recipe recipe = given;
   std::vector<exporters::BundleInput> inputs;
@@ -361,8 +289,11 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   run.cache_folder = options.cache_folder;
   run.progress = make_progress(stage_plan(recipe, {true, true, true}), options.progress && comm.is_root());
   run.files = stage_files(recipe, options);
+  const auto existing = options.replace ? exporters::Existing::replace : exporters::Existing::refuse;
+  exporters::ReservedPlace place;
   parallel::run_on_root(comm, [&] {
-    check_recipe(recipe, options);
+    check_inputs(recipe);
+    place = exporters::reserve_place(options.output, existing);
     inputs = hash_inputs(recipe);
     run.program_hash = exporters::sha256_of_file("/proc/self/exe");
     run.files.origin = origin_of(recipe, run, inputs);
@@ -413,8 +344,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
     auto bundle = make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, inputs, remarks, pose);
     bundle.logs["build.log"] = time_log(run);
     result.metrics = bundle.metrics;
-    return exporters::write_bundle(bundle, options.output,
-                                   options.replace ? exporters::Existing::replace : exporters::Existing::refuse);
+    return exporters::write_bundle(bundle, place, existing);
   });
   finish(run.progress);
   result.content_id = *content_id;

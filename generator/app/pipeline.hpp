@@ -32,7 +32,4 @@ BuildResult build(const Recipe& recipe, const BuildOptions& options, const paral
 Report certificate(const std::map<std::string, TetMesh>& meshes, const LabelVolume& labels,
                    const MeshSettings& mesh_settings, const ValidationSettings& settings);
 
-/// SHA-256 of a file, or of the sorted list of a folder's files and their hashes; and the total size.
-exporters::BundleInput hash_input(const std::string& role, const std::string& path);
-
 }  // namespace heart::app

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "generator/adapters/itk_io.hpp"
+#include "generator/app/stage_files.hpp"
 #include "generator/labels/place_heart.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
@@ -33,8 +34,9 @@ Json pose_json(const labels::TorsoPose& pose, const std::vector<labels::CommonMa
 }  // namespace
 
 int place_command(const PlaceCommand& command) {
-  adapters::check_image_name(command.output);
-  const auto heart = adapters::read_labels(command.heart), torso = adapters::read_labels(command.torso);
+  adapters::prepare_image_output(command.output);
+  if (!command.pose.empty()) prepare_output(command.pose);
+  const auto heart = read_region_labels(command.heart), torso = read_region_labels(command.torso);
   const auto marks = labels::common_marks(heart, landmarks_from(command.heart_landmarks), torso,
                                           landmarks_from(command.torso_landmarks));
   const auto pose = labels::fit_torso(marks, command.with_scale);

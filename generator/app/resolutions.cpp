@@ -22,13 +22,21 @@ namespace {
 constexpr const char* key = "mesh.resolutions_mm";
 constexpr double finest_mm = 0.4, coarsest_mm = 3;
 
-void refuse_too_fine(const LabelVolume& labels, double edge_mm, double memory_bytes) {
-  const double needed = estimate_bytes(labels, edge_mm);
-  if (memory_bytes <= 0 || needed <= memory_bytes) return;
+void refuse_too_fine(double needed_bytes, double edge_mm, const char* setting, double memory_bytes) {
+  if (memory_bytes <= 0 || needed_bytes <= memory_bytes) return;
   constexpr double gb = 1e9;
-  throw UserError(fmt::format("an edge of {:g} mm would need about {:.0f} GB of memory, and this machine has {:.0f}",
-                              edge_mm, needed / gb, memory_bytes / gb),
-                  key, "take a longer edge, or a machine with more memory");
+  throw UserError(fmt::format("an edge of {:g} mm would need about {:.3g} GB of memory, and this machine has {:.0f}",
+                              edge_mm, needed_bytes / gb, memory_bytes / gb),
+                  setting, "take a longer edge, or a machine with more memory");
+}
+
+/// At least what tetrahedra of that edge need to fill the voxels that `counts` chooses.
+template <class Choice>
+double least_bytes(const LabelVolume& labels, double edge_mm, Choice counts) {
+  constexpr double volume_per_edge3 = 0.12, bytes_per_cell = 200;
+  const auto voxels = std::count_if(labels.voxels.begin(), labels.voxels.end(), counts);
+  return static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / (volume_per_edge3 * std::pow(edge_mm, 3)) *
+         bytes_per_cell;
 }
 
 MeshSettings settings_at(MeshSettings settings, double edge_mm) {
@@ -73,7 +81,19 @@ double estimate_bytes(const LabelVolume& labels, double edge_mm) {
 }
 
 void check_memory(const LabelVolume& labels, const MeshSettings& settings, double memory_bytes) {
-  for (const double edge : settings.resolutions_mm) refuse_too_fine(labels, edge, memory_bytes);
+  for (const double edge : settings.resolutions_mm)
+    refuse_too_fine(estimate_bytes(labels, edge), edge, key, memory_bytes);
+  const auto check = [&](double edge, const char* setting, auto counts) {
+    refuse_too_fine(least_bytes(labels, edge, counts), edge, setting, memory_bytes);
+  };
+  check(settings.heart_edge_mm, "mesh.heart_edge_mm",
+        [](std::uint8_t label) { return is_myocardium(static_cast<Region>(label)); });
+  check(settings.blood_edge_mm, "mesh.blood_edge_mm",
+        [](std::uint8_t label) { return is_blood(static_cast<Region>(label)); });
+  check(settings.torso_edge_mm, "mesh.torso_edge_mm", [](std::uint8_t label) {
+    const auto region = static_cast<Region>(label);
+    return label != 0 && !is_myocardium(region) && !is_blood(region);
+  });
 }
 
 Resolutions make_resolutions(const LabelVolume& labels, const MeshSettings& settings, const TetMesh& myocardium) {

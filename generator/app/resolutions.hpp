@@ -26,8 +26,8 @@ struct Resolutions {
 /// areas of the label map and the cells and bytes that they took on phantoms.
 double estimate_bytes(const LabelVolume& labels, double edge_mm);
 
-/// Throws UserError where an edge of mesh.resolutions_mm needs more than `memory_bytes` (0: unknown, nothing is
-/// refused).
+/// Throws UserError where an edge of mesh.resolutions_mm, or one of heart, blood or torso, needs more than
+/// `memory_bytes` (0: unknown, nothing is refused).
 void check_memory(const LabelVolume& labels, const MeshSettings& settings, double memory_bytes);
 
 /// One mesh per edge of mesh.resolutions_mm, out of the same label map with the same regions, surfaces and rims.

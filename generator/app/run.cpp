@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 
@@ -109,6 +110,10 @@ void Run::rethrow_in_stage(const std::string& name) {
   } catch (const UserError& error) {
     if (!error.where.empty()) throw;
     throw UserError(error.problem, name, error.remedy);
+  } catch (const std::bad_alloc&) {
+    throw UserError("not enough memory", name, "take longer edges, a smaller image or a larger machine");
+  } catch (const fs::filesystem_error& error) {
+    throw UserError(error.code().message(), error.path1().string(), "check the folder, its rights and the space left");
   } catch (const std::exception& error) {
     throw std::runtime_error(name + ": " + error.what());
   }

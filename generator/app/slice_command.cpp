@@ -6,9 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "exporters/tri_mesh.hpp"
-#include "generator/adapters/itk_io.hpp"
+#include "generator/app/stage_files.hpp"
 #include "generator/mesh/slice_mesh.hpp"
 #include "model/error.hpp"
+#include "model/text.hpp"
 
 namespace heart::app {
 namespace {
@@ -64,7 +65,8 @@ int slice_command(const SliceCommand& command) {
   const auto extension = fs::path(command.output).extension();
   if (extension != ".vtu" && extension != ".msh")
     throw UserError("unknown kind of mesh file", command.output, "give a name that ends in .vtu or .msh");
-  const auto labels = adapters::read_labels(input.string());
+  prepare_output(command.output);
+  const auto labels = read_region_labels(input.string());
   mesh::SliceSettings settings;
   settings.edge_mm = command.edge_mm.value_or(settings.edge_mm);
   settings.torso_edge_mm = command.torso_edge_mm.value_or(std::max(settings.torso_edge_mm, settings.edge_mm));

@@ -127,13 +127,18 @@ void read_stage_file(const std::string& path, const Grid& grid, Volume<float>& v
   settle_grid(value.grid, grid, path);
 }
 
-void read_stage_file(const std::string& path, const Grid& grid, LabelVolume& value) {
-  value = adapters::read_labels(path);
-  settle_grid(value.grid, grid, path);
-  const auto largest = *std::max_element(value.voxels.begin(), value.voxels.end());
+LabelVolume read_region_labels(const std::string& path) {
+  LabelVolume labels = adapters::read_labels(path);
+  const auto largest = *std::max_element(labels.voxels.begin(), labels.voxels.end());
   if (largest > tag(Region::torso))
     throw UserError(fmt::format("holds the label {}, the largest known one is {}", largest, tag(Region::torso)), path,
                     "use the tags of a bundle's manifest");
+  return labels;
+}
+
+void read_stage_file(const std::string& path, const Grid& grid, LabelVolume& value) {
+  value = read_region_labels(path);
+  settle_grid(value.grid, grid, path);
 }
 
 void read_stage_file(const std::string& path, const Grid&, landmarks::FoundLandmarks& value) {

@@ -28,6 +28,9 @@ constexpr bool has_stage_file =
     std::is_same_v<T, Volume<float>> || std::is_same_v<T, LabelVolume> ||
     std::is_same_v<T, landmarks::FoundLandmarks> || std::is_same_v<T, segment::SegmentationTree>;
 
+/// A label map with the tags of a bundle. Throws UserError as adapters::read_labels, and for unknown tags.
+LabelVolume read_region_labels(const std::string& path);
+
 /// Reads a stage's result. Throws UserError: missing or damaged file, another grid than the CT's, unknown labels.
 void read_stage_file(const std::string& path, const Grid& grid, Volume<float>& value);
 void read_stage_file(const std::string& path, const Grid& grid, LabelVolume& value);

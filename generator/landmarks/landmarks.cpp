@@ -11,6 +11,7 @@
 #include "generator/landmarks/trachea.hpp"
 #include "generator/landmarks/valves.hpp"
 #include "generator/segment/faint_right_heart.hpp"
+#include "generator/segment/hounsfield.hpp"
 #include "model/error.hpp"
 
 namespace heart::landmarks {
@@ -132,6 +133,7 @@ void add_seeds(const LabelVolume& chambers, FoundLandmarks& found) {
 }  // namespace
 
 SearchResult search(const CtVolume& ct) {
+  segment::require_hounsfield(ct);
   const WorkingImage whole = make_working_image(ct);
   const auto coarse = thinned(whole.smooth, coarse_step);
   const Thorax thorax = find_thorax(coarse);

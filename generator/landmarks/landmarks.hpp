@@ -22,8 +22,9 @@ struct FoundLandmarks {
 };
 
 /// `ct` shows the whole heart; grids of any spacing, orientation and direction. The same bits for any number of
-/// threads. Throws UserError, saying which seeds to give by hand, where there is no contrast, no heart, no pool with
-/// a shell of muscle, or no left atrium and aorta next to it. Not collective: call it on the root.
+/// threads. Throws UserError for grey values that are no Hounsfield units, and, saying which seeds to give by hand,
+/// where there is no contrast, no heart, no pool with a shell of muscle, or no left atrium and aorta next to it. Not
+/// collective: call it on the root.
 FoundLandmarks find_landmarks(const CtVolume& ct);
 
 }  // namespace heart::landmarks

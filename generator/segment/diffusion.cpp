@@ -49,9 +49,13 @@ void heat(Slab<float>& image, const HeatSettings& settings, const Comm& comm) {
   iterate(image, settings.iterations, comm, [&](const StencilRow& row) { heat_row(row, steps); });
 }
 
-void perona_malik(Slab<float>& image, const DenoiseSettings& settings, const Comm& comm) {
+void check_settings(const DenoiseSettings& settings) {
   check(settings.iterations, settings.time_step, "denoise");
   if (!(settings.edge_hu > 0)) throw UserError("edge_hu must be positive", "denoise", "60 suits CT");
+}
+
+void perona_malik(Slab<float>& image, const DenoiseSettings& settings, const Comm& comm) {
+  check_settings(settings);
   const AxisWeights steps = squared(axis_weights(image.grid), settings.time_step);
   const auto inverse_edge2 = static_cast<float>(1 / (settings.edge_hu * settings.edge_hu));
   iterate(image, settings.iterations, comm,

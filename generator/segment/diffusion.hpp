@@ -17,6 +17,9 @@ struct HeatSettings {
 /// outside (0, 1/6] or a negative number of iterations. @collective
 void heat(parallel::Slab<float>& image, const HeatSettings& settings, const parallel::Comm& comm);
 
+/// Throws UserError for a time step outside (0, 1/6], negative iterations and an edge that is not positive.
+void check_settings(const DenoiseSettings& settings);
+
 /// Conductivity 1 / (1 + (d / edge_hu)^2) on the face between two voxels whose grey values differ by d: noise
 /// diffuses, steps above edge_hu stay. d is a difference of neighbours, not a gradient, because the height of a step
 /// and of noise do not depend on the spacing. In place, as above. @collective

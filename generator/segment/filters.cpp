@@ -1,5 +1,7 @@
 #include "generator/segment/filters.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -178,6 +180,14 @@ void check_image(const Volume<float>& image) {
     throw UserError("the image holds values that are not finite", "filter", "replace NaN and infinity first");
 }
 
+/// 32-bit floats end at 3e38, their squares' roots at 1e19: images that mark holes by -3.4e38 reach that.
+void check_result(const Volume<float>& image, const Volume<float>& result) {
+  if (std::ranges::all_of(result.voxels, [](float v) { return std::isfinite(v); })) return;
+  const auto [least, most] = std::ranges::minmax(image.voxels);
+  throw UserError(fmt::format("the result is not finite: the image's values reach from {:g} to {:g}", least, most),
+                  "filter", "replace such values first, and take shorter time steps");
+}
+
 }  // namespace
 
 const std::vector<FilterInfo>& filters() {
@@ -202,7 +212,9 @@ Volume<float> apply_filter(const std::string& name, const Volume<float>& image_o
   parallel::run_on_root(comm, [&] { check_image(image_on_root); });
   auto slab = parallel::scatter(image_on_root, comm);
   filter.apply(slab, Values{values}, comm);
-  return parallel::gather(slab, comm);
+  auto result = parallel::gather(slab, comm);
+  parallel::run_on_root(comm, [&] { check_result(image_on_root, result); });
+  return result;
 }
 
 }  // namespace heart::segment

@@ -35,20 +35,6 @@ const SegmentationSide& find_step(const SegmentationTree& tree, const std::strin
                   known.empty() ? "the first step's domain is \"all\"" : "earlier steps: " + known);
 }
 
-void check_steps(const std::vector<SegmentationStep>& steps) {
-  SegmentationTree seen;
-  for (const auto& step : steps) {
-    const bool repeated = std::any_of(seen.begin(), seen.end(), [&](const auto& s) { return s.name == step.name; });
-    if (step.name.empty() || repeated)
-      throw UserError(step.name.empty() ? "a step has no name" : "the name is used twice", key(step),
-                      "give every step a name of its own");
-    if (step.norm != "L1" && step.norm != "L2")
-      throw UserError(fmt::format("unknown norm \"{}\"", step.norm), key(step), "use \"L1\" or \"L2\"");
-    if (step.domain != whole_image) find_step(seen, split_side(step.domain).first, step.domain);
-    seen.push_back({step.name, {}, {}, 0, 0});
-  }
-}
-
 Mask domain_of(const SegmentationStep& step, const SegmentationTree& tree, const Grid& grid) {
   Mask domain = step.domain == whole_image ? Mask(grid, 1) : side(tree, step.domain);
   if (std::find(domain.voxels.begin(), domain.voxels.end(), std::uint8_t{1}) == domain.voxels.end())
@@ -78,6 +64,33 @@ SegmentationSide split(const Volume<float>& image, const SegmentationStep& step,
 }
 
 }  // namespace
+
+void check_steps(const std::vector<SegmentationStep>& steps) {
+  SegmentationTree seen;
+  for (const auto& step : steps) {
+    const bool repeated = std::any_of(seen.begin(), seen.end(), [&](const auto& s) { return s.name == step.name; });
+    if (step.name.empty() || repeated)
+      throw UserError(step.name.empty() ? "a step has no name" : "the name is used twice", key(step),
+                      "give every step a name of its own");
+    if (step.norm != "L1" && step.norm != "L2")
+      throw UserError(fmt::format("unknown norm \"{}\"", step.norm), key(step), "use \"L1\" or \"L2\"");
+    if (step.domain != whole_image) find_step(seen, split_side(step.domain).first, step.domain);
+    if (!(step.lambda > 0) || !(step.mu >= 0) || step.smoothing < 0 || step.max_iterations < 0)
+      throw UserError("lambda must be positive, and mu, smoothing and max_iterations not negative", key(step),
+                      "correct the recipe");
+    seen.push_back({step.name, {}, {}, 0, 0});
+  }
+}
+
+void check_side(const std::vector<SegmentationStep>& steps, const std::string& name, const std::string& where) {
+  SegmentationTree names;
+  for (const auto& step : steps) names.push_back({step.name, {}, {}, 0, 0});
+  try {
+    find_step(names, split_side(name).first, name);
+  } catch (const UserError& error) {
+    throw UserError(error.problem, where, error.remedy);
+  }
+}
 
 SegmentationTree segment(const Volume<float>& image_on_root, const std::vector<SegmentationStep>& steps,
                          const parallel::Comm& comm) {

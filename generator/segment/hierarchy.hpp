@@ -21,10 +21,15 @@ struct SegmentationSide {
 
 using SegmentationTree = std::vector<SegmentationSide>;
 
+/// Throws UserError for a repeated name, a domain that names no earlier step, an unknown norm and weights out of range.
+void check_steps(const std::vector<SegmentationStep>& steps);
+
+/// Throws UserError, naming `where`, when `name` is no side of a step, such as "blood.above".
+void check_side(const std::vector<SegmentationStep>& steps, const std::string& name, const std::string& where);
+
 /// Runs the steps in order. @collective: the image is read on the root only, the tree is complete on the root and has
 /// names and grey values, but empty masks, elsewhere.
-/// Throws UserError (on every rank) for a repeated name, a domain that names no earlier step, an unknown norm or an
-/// empty domain.
+/// Throws UserError (on every rank) as check_steps, and for an empty domain.
 SegmentationTree segment(const Volume<float>& image_on_root, const std::vector<SegmentationStep>& steps,
                          const parallel::Comm& comm);
 

@@ -15,6 +15,20 @@ std::string place(const std::string& name, const Vec3& p) {
   return fmt::format("landmarks: seed {} at ({:.1f}, {:.1f}, {:.1f}) mm", name, p.x, p.y, p.z);
 }
 
+Index3 nearest_index(const Grid& grid, const Vec3& position_mm) {
+  const Vec3 index = index_from_lps(grid, position_mm);
+  return {std::lround(index.x), std::lround(index.y), std::lround(index.z)};
+}
+
+/// What coordinates outside the image may have been meant as.
+std::string likely_mistake(const Grid& grid, const Vec3& p) {
+  if (grid.contains(std::lround(p.x), std::lround(p.y), std::lround(p.z))) return "; these may be voxel indices";
+  const Index3 turned = nearest_index(grid, {-p.x, -p.y, p.z});
+  if (grid.contains(turned[0], turned[1], turned[2]))
+    return "; if these are RAS, as 3D Slicer shows them, change the signs of x and y";
+  return "";
+}
+
 /// Calls visit(i, j, k, distance_mm) for the voxels within the ball, in memory order.
 template <class Visit>
 void for_ball(const Grid& grid, const Vec3& center_mm, double radius_mm, Visit visit) {
@@ -31,15 +45,14 @@ void for_ball(const Grid& grid, const Vec3& center_mm, double radius_mm, Visit v
 }  // namespace
 
 Index3 seed_voxel(const Grid& grid, const std::string& name, const Vec3& position_mm) {
-  const Vec3 index = index_from_lps(grid, position_mm);
-  const Index3 voxel{std::lround(index.x), std::lround(index.y), std::lround(index.z)};
+  const Index3 voxel = nearest_index(grid, position_mm);
   if (grid.contains(voxel[0], voxel[1], voxel[2])) return voxel;
   const Vec3 first = lps_from_index(grid, {0, 0, 0});
   const Vec3 last = lps_from_index(grid, {static_cast<double>(grid.size[0] - 1), static_cast<double>(grid.size[1] - 1),
                                           static_cast<double>(grid.size[2] - 1)});
   throw UserError("the seed lies outside the image", place(name, position_mm),
-                  fmt::format("give LPS coordinates between ({:.1f}, {:.1f}, {:.1f}) and ({:.1f}, {:.1f}, {:.1f}) mm",
-                              first.x, first.y, first.z, last.x, last.y, last.z));
+                  fmt::format("give LPS coordinates between ({:.1f}, {:.1f}, {:.1f}) and ({:.1f}, {:.1f}, {:.1f}) mm{}",
+                              first.x, first.y, first.z, last.x, last.y, last.z, likely_mistake(grid, position_mm)));
 }
 
 Index3 seed_in_mask(const CtVolume& ct, const Mask& mask, const std::string& name, const Vec3& position_mm,

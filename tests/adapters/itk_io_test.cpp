@@ -6,6 +6,7 @@
 
 #include "model/error.hpp"
 #include "support/data.hpp"
+#include "support/files.hpp"
 
 namespace heart {
 namespace {
@@ -93,6 +94,23 @@ TEST(ReadCt, RefusesAnisotropyBeyondTenToOne) {
   const auto path = (testing::scratch_folder("itk_io_anisotropic") / "ct.nrrd").string();
   adapters::write_volume(path, ct);
   EXPECT_THROW(adapters::read_ct(path), UserError);
+}
+
+TEST(ReadCt, RefusesNegativeSpacingOfAMetaImage) {
+  const auto path = testing::scratch_folder("itk_io_negative") / "ct.mhd";
+  adapters::write_volume(path.string(), small_ct());
+  std::string header = testing::bytes_of(path);
+  header.insert(header.find("ElementSpacing = ") + 17, "-");
+  testing::write_bytes(path, header);
+  EXPECT_NE(testing::error_of([&] { adapters::read_ct(path.string()); }).find("not positive"), std::string::npos);
+}
+
+TEST(ReadCt, RefusesLengthsInAnotherUnit) {
+  CtVolume ct = small_ct();
+  ct.grid.spacing_mm = 1e-3 * ct.grid.spacing_mm;
+  const auto path = (testing::scratch_folder("itk_io_unit") / "ct.nrrd").string();
+  adapters::write_volume(path, ct);
+  EXPECT_NE(testing::error_of([&] { adapters::read_ct(path); }).find("in mm"), std::string::npos);
 }
 
 TEST(ReadLabels, RefusesFractions) {

@@ -131,7 +131,8 @@ TEST_F(BadInput, LabelMapWithForeignValues) {
   Grid grid;
   grid.size = {8, 8, 8};
   adapters::write_volume((folder / "labels.nrrd").string(), LabelVolume(grid, 200));
-  message_of("mesh labels.nrrd out");
+  expect_message("mesh labels.nrrd out", {"out", ".vtu"});
+  expect_message("mesh labels.nrrd mesh.vtu", {"labels.nrrd", "200"});
 }
 
 TEST_F(BadInput, LabelsFromElsewhere) {
@@ -160,6 +161,67 @@ TEST_F(BadInput, ReplacedStageOnAnotherGrid) {
   expect_message("build --quiet recipe.toml --output out", {"labels.nrrd", "grid"});
   fs::remove(folder / "labels.nrrd");
   expect_message("build --quiet recipe.toml --output out", {"labels.nrrd", "does not exist", "replace.labels"});
+}
+
+// The CT of these tests has no heart: what is refused before that is found was looked at before the first stage.
+TEST_F(BadInput, WhatALateStageNeedsIsLookedAtFirst) {
+  const auto refuse = [&](const std::string& recipe, const std::vector<std::string>& words) {
+    write_recipe(recipe);
+    expect_message("build --quiet recipe.toml --output out", words);
+  };
+  std::ofstream(folder / "notes.vtk") << "no mesh";
+  refuse("atlas = \"notes.vtk\"\n", {"notes.vtk"});
+  refuse("carotid = \"ct.nii.gz\"\n", {"carotid", "seed"});
+  refuse("size_field = \"notes.vtk\"\n", {"notes.vtk"});
+  refuse("[mesh]\nbackend = \"latice\"\n", {"latice", "lattice"});
+  refuse("[mesh]\nheart_edge_mm = 0\n", {"heart_edge_mm"});
+  refuse("[fibers]\nmethod = \"locl_angles\"\n", {"fibers.method", "local_angles"});
+  refuse("[denoise]\ntime_step = 3\n", {"denoise", "time_step"});
+  refuse("[chambers]\nblood = \"blod.above\"\n", {"chambers.blood", "blod.above", "blood"});
+  refuse("[[segmentation]]\nname = \"body\"\nlambda = 0\n", {"body", "lambda"});
+  refuse("[torso]\nlabels = \"ct.nii.gz\"\n", {"ct.nii.gz", "-1000"});
+}
+
+TEST_F(BadInput, OutputThatCannotBeIsRefusedFirst) {
+  write_recipe("");
+  std::ofstream(folder / "file") << "";
+  expect_message("build --quiet recipe.toml --output file/out", {"file/out", "cannot be made"});
+  fs::create_directory(folder / "photos");
+  std::ofstream(folder / "photos" / "cat.jpg") << "meow";
+  expect_message("build --quiet recipe.toml --force --output photos", {"photos", "not a bundle"});
+  EXPECT_TRUE(fs::exists(folder / "photos" / "cat.jpg"));
+  expect_message("landmarks ct.nii.gz --output file/out.json", {"file/out.json", "cannot be written"});
+  expect_message("filter heat ct.nii.gz file/out.nrrd", {"file/out.nrrd", "cannot be written"});
+  expect_message("mesh ct.nii.gz photos/cat.jpg", {"photos/cat.jpg", ".vtu"});
+  expect_message("inpaint photos file/out --labels ct.nii.gz", {"file/out", "cannot be written"});
+}
+
+TEST_F(BadInput, NamesThatCannotBeAFolders) {
+  std::ofstream(folder / "recipe.toml") << "name = \"a/b\"\n[input]\nct = \"ct.nii.gz\"\n";
+  expect_message("build --quiet recipe.toml --output out", {"a/b", "name"});
+  std::ofstream(folder / "recipe.toml") << "version = \"1/2\"\n[input]\nct = \"ct.nii.gz\"\n";
+  expect_message("build --quiet recipe.toml --output out", {"1/2", "version"});
+}
+
+TEST_F(BadInput, SeedsInAnotherFrame) {
+  write_recipe("[landmarks.seeds_mm]\nlv_blood = [-40, -48, 48]\n");
+  expect_message("build --quiet recipe.toml --output out", {"lv_blood", "outside", "RAS"});
+  Grid grid;
+  grid.size = {24, 24, 24};
+  grid.origin_mm = {-200, -200, -200};
+  adapters::write_volume((folder / "ct.nii.gz").string(), CtVolume(grid, -1000));
+  write_recipe("[landmarks.seeds_mm]\nlv_blood = [12, 10, 13]\n");
+  expect_message("build --quiet recipe.toml --output out", {"lv_blood", "outside", "voxel indices"});
+}
+
+TEST_F(BadInput, GreyValuesWithALostRescale) {
+  Grid grid;
+  grid.size = {24, 24, 24};
+  grid.spacing_mm = {4, 4, 4};
+  adapters::write_volume((folder / "ct.nii.gz").string(), CtVolume(grid, 1024));
+  write_recipe("");
+  expect_message("landmarks ct.nii.gz", {"Hounsfield", "rescale"});
+  expect_message("build --quiet recipe.toml --output out", {"Hounsfield", "rescale"});
 }
 
 TEST_F(BadInput, PhantomOutOfRange) {

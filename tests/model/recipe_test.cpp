@@ -55,6 +55,18 @@ TEST(Recipe, WrongTypesSayWhatIsExpected) {
   EXPECT_NE(refusal("[landmarks.seeds_mm]\nlv_blood = [1, 2]\n").problem.find("three numbers"), std::string::npos);
 }
 
+TEST(Recipe, NumbersThatNoSettingCanHaveAreRefusedWithTheirLine) {
+  for (const char* text :
+       {"[chambers]\nvein_stump_mm = -1\n", "[epicardium]\nduality_gap = nan\n", "[mesh]\ngrowth = inf\n",
+        "[epicardium]\nmax_iterations = -5\n", "[fibers]\ndemons_iterations = [60, -1]\n",
+        "[fibers.rule]\nrv_helix_endo_deg = nan\n", "[denoise]\niterations = 5000000000\n"}) {
+    const UserError error = refusal(text);
+    EXPECT_NE(error.problem.find("must"), std::string::npos) << text;
+    EXPECT_NE(error.where.find("recipe.toml:2"), std::string::npos) << error.where;
+  }
+  EXPECT_NE(refusal("[landmarks.seeds_mm]\nlv_blood = [1, nan, 2]\n").problem.find("finite"), std::string::npos);
+}
+
 TEST(Recipe, AnglesOfTheRuleAreASectionOfTheirOwn) {
   const Recipe recipe = read_recipe(recipe_file("[fibers]\ngrid_mm = 2\n[fibers.rule]\nrv_helix_endo_deg = 75\n"));
   EXPECT_EQ(recipe.fibers.grid_mm, 2);

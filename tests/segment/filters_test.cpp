@@ -37,6 +37,17 @@ TEST(Filters, AllRunWithTheirDefaultsInTwoAndThreeDimensions) {
     }
 }
 
+TEST(Filters, ResultsThatAreNotFiniteAreNoResults) {
+  auto image = testing::ball(grid_of({6, 6, 6}), 2);
+  for (auto& value : image.voxels) value *= 3e37F;
+  try {
+    apply_filter("curvature", image, {}, alone);
+    FAIL() << "infinity was handed on";
+  } catch (const UserError& error) {
+    EXPECT_NE(error.problem.find("e+37"), std::string::npos) << error.message;
+  }
+}
+
 TEST(Filters, PassTheirParametersOn) {
   const auto image = testing::noisy(testing::ball(grid_of({12, 11, 10}), 3), 0.3);
   const auto result = apply_filter("heat", image, {{"iterations", 3}, {"time_step", 0.05}}, alone);

@@ -1,0 +1,114 @@
+#include "generator/app/check_inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "exporters/bundle.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "generator/app/image_stages.hpp"
+#include "generator/app/resolutions.hpp"
+#include "generator/app/torso_stage.hpp"
+#include "generator/atlas/atlas.hpp"
+#include "generator/fibers/carry.hpp"
+#include "generator/labels/names_file.hpp"
+#include "generator/labels/presets.hpp"
+#include "generator/mesh/mesh_heart.hpp"
+#include "generator/segment/diffusion.hpp"
+#include "generator/segment/hierarchy.hpp"
+#include "generator/segment/seeds.hpp"
+#include "model/error.hpp"
+
+namespace heart::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> mesh_names = {"myocardium", "chambers", "torso", "trachea", "carotid"};
+
+void check_meshes(const Recipe& recipe) {
+  for (const auto& mesh : recipe.mesh.meshes)
+    if (std::find(mesh_names.begin(), mesh_names.end(), mesh) == mesh_names.end())
+      throw UserError(fmt::format("unknown mesh \"{}\"", mesh), "mesh.meshes",
+                      fmt::format("known meshes: {}", fmt::join(mesh_names, ", ")));
+  if (!wants(recipe, "myocardium"))
+    throw UserError("\"myocardium\" is missing: every bundle has it", "mesh.meshes", "add it to the list");
+  mesh::check_settings(recipe.mesh);
+  check_resolutions(recipe.mesh);
+}
+
+/// The tree of splits, and that chambers and body find their sides in it. A tree from a file has names of its own.
+void check_segmentation(const Recipe& recipe) {
+  segment::check_settings(recipe.denoise);
+  segment::check_steps(recipe.segmentation);
+  if (!recipe.input.labels.empty() || !recipe.replace.labels.empty() || !recipe.replace.segment.empty()) return;
+  for (const auto& [key, name] : {std::pair{"chambers.blood", &recipe.chambers.blood},
+                                  {"chambers.tissue", &recipe.chambers.tissue},
+                                  {"chambers.soft", &recipe.chambers.soft}})
+    segment::check_side(recipe.segmentation, *name, key);
+}
+
+void check_files_exist(const Recipe& recipe) {
+  const auto require = [](const char* section) {
+    return [section](const char* key, const std::string& path, const char*) {
+      if (!path.empty() && !fs::exists(path))
+        throw UserError("does not exist", path, fmt::format("check {}.{}", section, key));
+    };
+  };
+  InputSettings::describe(require("input"), recipe.input);
+  ReplaceSettings::describe(require("replace"), recipe.replace);
+}
+
+void check_carotid(const Recipe& recipe) {
+  if (recipe.input.carotid.empty() || !wants(recipe, "carotid")) return;
+  if (recipe.replace.landmarks.empty()) carotid_seed(recipe);
+  const Grid grid = adapters::read_ct(recipe.input.carotid).grid;
+  const auto seed = recipe.landmarks.seeds_mm.find("carotid");
+  if (seed != recipe.landmarks.seeds_mm.end()) segment::seed_voxel(grid, seed->first, seed->second);
+}
+
+/// Files of late stages, which are small: they are read here for their errors alone.
+void check_late_files(const Recipe& recipe) {
+  check_carotid(recipe);
+  if (!recipe.input.atlas.empty()) atlas::read_fiber_atlas(recipe.input.atlas);
+  if (!recipe.input.size_field.empty()) adapters::read_image(recipe.input.size_field);
+  if (!recipe.input.label_names.empty()) labels::read_label_names(recipe.input.label_names);
+  if (!recipe.torso.landmarks.empty()) read_landmarks(recipe.torso.landmarks);
+  if (!recipe.torso.labels.empty()) read_region_labels(recipe.torso.labels);
+}
+
+}  // namespace
+
+bool wants(const Recipe& recipe, const std::string& mesh) {
+  return std::find(recipe.mesh.meshes.begin(), recipe.mesh.meshes.end(), mesh) != recipe.mesh.meshes.end();
+}
+
+void check_inputs(const Recipe& recipe) {
+  if (recipe.input.ct.empty() && recipe.input.labels.empty())
+    throw UserError("no CT given", "input.ct", "name it in the recipe or with --ct; or give labels alone");
+  exporters::require_safe_names(recipe.name, recipe.version);
+  check_files_exist(recipe);
+  check_torso(recipe.torso);
+  labels::label_preset(recipe.labels.preset);
+  check_segmentation(recipe);
+  check_meshes(recipe);
+  fibers::check_settings(recipe.fibers);
+  if (!recipe.replace.landmarks.empty() && chambers_are_marked(recipe.landmarks))
+    throw UserError("all chambers have seeds already, so that none are looked for", "replace.landmarks",
+                    "leave out this file, or the seeds");
+  check_late_files(recipe);
+}
+
+void check_seeds_inside(const Grid& grid, const Landmarks& landmarks) {
+  for (const auto& [name, p] : landmarks.seeds_mm)
+    if (name != "carotid") segment::seed_voxel(grid, name, p);
+}
+
+Vec3 carotid_seed(const Recipe& recipe) {
+  const auto seed = recipe.landmarks.seeds_mm.find("carotid");
+  if (seed == recipe.landmarks.seeds_mm.end())
+    throw UserError("no seed for the carotid", "landmarks.seeds_mm", "give a point in its lumen as \"carotid\"");
+  return seed->second;
+}
+
+}  // namespace heart::app

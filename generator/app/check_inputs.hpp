@@ -1,0 +1,24 @@
+// What a build can refuse before its first stage: settings that cannot be, files that cannot be read.
+#pragma once
+#include "generator/app/pipeline.hpp"
+#include "model/recipe.hpp"
+#include "model/volume.hpp"
+
+namespace heart::app {
+
+/// The meshes that a recipe can name; "myocardium" is in every bundle.
+bool wants(const Recipe& recipe, const std::string& mesh);
+
+/// Throws UserError, naming file and key, for settings out of range or that contradict each other, for files that do
+/// not exist, and for those small files that a late stage reads (atlas, carotid, size field, torso) when they cannot be
+/// read. The output folder is not looked at.
+void check_inputs(const Recipe& recipe);
+
+/// Throws UserError for a seed outside the image, telling coordinates that look like RAS or like voxel indices. The
+/// carotid's seed belongs to its own angiogram and is not looked at.
+void check_seeds_inside(const Grid& grid, const Landmarks& landmarks);
+
+/// Throws UserError when the recipe has none.
+Vec3 carotid_seed(const Recipe& recipe);
+
+}  // namespace heart::app

@@ -1,0 +1,25 @@
+#include "generator/segment/hounsfield.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/error.hpp"
+
+namespace heart::segment {
+
+void require_hounsfield(const CtVolume& ct) {
+  constexpr int darker_than_water_hu = -30;  // fat begins here
+  constexpr double least_share = 1e-3;
+  const auto dark =
+      std::count_if(ct.voxels.begin(), ct.voxels.end(), [](std::int16_t hu) { return hu < darker_than_water_hu; });
+  if (static_cast<double>(dark) >= least_share * static_cast<double>(ct.voxels.size())) return;
+  const auto [least, most] = std::minmax_element(ct.voxels.begin(), ct.voxels.end());
+  constexpr int soft_tissue_hu = 200;  // an image of nothing brighter may well be in Hounsfield units
+  if (*most <= soft_tissue_hu) return;
+  throw UserError(fmt::format("grey values from {} to {} are no Hounsfield units: neither fat nor air is darker than 0",
+                              *least, *most),
+                  "CT", "apply the scan's rescale slope and intercept (often: subtract 1024), or export it again");
+}
+
+}  // namespace heart::segment

@@ -1,0 +1,12 @@
+// Whether grey values can be Hounsfield units at all: air -1000, fat -100, water 0.
+#pragma once
+#include "model/volume.hpp"
+
+namespace heart::segment {
+
+/// Throws UserError where hardly a voxel is darker than water, as in images stored with an offset (often 1024) whose
+/// rescale was lost, in MR images and in windowed pictures. A CT of a chest with contrast, however
+/// cropped, shows fat or lung; images with nothing above 200 are not judged.
+void require_hounsfield(const CtVolume& ct);
+
+}  // namespace heart::segment

@@ -1,0 +1,133 @@
+// DICOM series written by hand: only what a reader needs, explicit little endian.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "generator/adapters/itk_io.hpp"
+#include "support/data.hpp"
+#include "support/files.hpp"
+
+namespace heart {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T>
+std::string bytes(T value) {
+  std::string text(sizeof(T), '\0');
+  std::memcpy(text.data(), &value, sizeof(T));
+  return text;
+}
+
+std::string element(int group, int number, const char* kind, std::string value) {
+  const std::string type = kind;
+  if (value.size() % 2) value += type == "UI" ? '\0' : ' ';
+  std::string text = bytes(static_cast<std::uint16_t>(group)) + bytes(static_cast<std::uint16_t>(number)) + type;
+  if (type == "OW" || type == "OB")
+    text += std::string(2, '\0') + bytes(static_cast<std::uint32_t>(value.size()));
+  else
+    text += bytes(static_cast<std::uint16_t>(value.size()));
+  return text + value;
+}
+
+constexpr int rows = 4, columns = 6;
+constexpr double pixel_mm = 0.75, slice_mm = 2.5;
+
+struct Slice {
+  int instance = 0;
+  double y_mm = -40, z_mm = 0;
+  std::string series = "1.2.3.4";
+};
+
+/// Stored values rise along the row and with the height; 1024 lies between them and Hounsfield units.
+std::string dicom(const Slice& slice) {
+  const std::string ct = "1.2.840.10008.5.1.4.1.1.2", id = fmt::format("1.2.3.9.{}", slice.instance);
+  const std::string meta = element(2, 2, "UI", ct) + element(2, 3, "UI", id) +
+                           element(2, 0x10, "UI", "1.2.840.10008.1.2.1") + element(2, 0x12, "UI", "1.2.3");
+  std::string pixels;
+  for (int p = 0; p < rows * columns; ++p)
+    pixels += bytes(static_cast<std::uint16_t>(1024 + 10 * (p % columns) + static_cast<int>(slice.z_mm)));
+  const auto u16 = [](int value) { return bytes(static_cast<std::uint16_t>(value)); };
+  return std::string(128, '\0') + "DICM" + element(2, 0, "UL", bytes(static_cast<std::uint32_t>(meta.size()))) + meta +
+         element(8, 0x16, "UI", ct) + element(8, 0x18, "UI", id) + element(8, 0x60, "CS", "CT") +
+         element(0x18, 0x50, "DS", fmt::format("{}", slice_mm)) + element(0x20, 0x0d, "UI", "1.2.3") +
+         element(0x20, 0x0e, "UI", slice.series) + element(0x20, 0x11, "IS", "1") +
+         element(0x20, 0x13, "IS", std::to_string(slice.instance)) +
+         element(0x20, 0x32, "DS", fmt::format("-30\\{}\\{}", slice.y_mm, slice.z_mm)) +
+         element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0") + element(0x28, 2, "US", u16(1)) +
+         element(0x28, 4, "CS", "MONOCHROME2") + element(0x28, 0x10, "US", u16(rows)) +
+         element(0x28, 0x11, "US", u16(columns)) +
+         element(0x28, 0x30, "DS", fmt::format("{}\\{}", pixel_mm, pixel_mm)) + element(0x28, 0x100, "US", u16(16)) +
+         element(0x28, 0x101, "US", u16(16)) + element(0x28, 0x102, "US", u16(15)) +
+         element(0x28, 0x103, "US", u16(0)) + element(0x28, 0x1052, "DS", "-1024") + element(0x28, 0x1053, "DS", "1") +
+         element(0x7fe0, 0x10, "OW", pixels);
+}
+
+std::vector<Slice> usual_series() {
+  std::vector<Slice> slices;
+  for (int k = 0; k < 8; ++k) slices.push_back({.instance = k + 1, .z_mm = 100 + slice_mm * k});
+  return slices;
+}
+
+/// File names fall while the slices rise.
+std::string written(const std::string& name, const std::vector<Slice>& slices) {
+  const auto folder = testing::scratch_folder("dicom_" + name);
+  for (std::size_t n = 0; n < slices.size(); ++n)
+    testing::write_bytes(folder / fmt::format("image {}", 99 - n), dicom(slices[n]));
+  return folder.string();
+}
+
+std::string refusal(const std::string& name, const std::vector<Slice>& slices) {
+  const auto folder = written(name, slices);
+  return testing::error_of([&] { adapters::read_ct(folder); });
+}
+
+TEST(Dicom, ASeriesIsStackedByPlaceWithItsRescale) {
+  const CtVolume ct = adapters::read_ct(written("usual", usual_series()));
+  EXPECT_EQ(ct.grid.size, (Index3{columns, rows, 8}));
+  EXPECT_EQ(ct.grid.origin_mm, (Vec3{-30, -40, 100}));
+  EXPECT_EQ(ct.grid.spacing_mm, (Vec3{pixel_mm, pixel_mm, slice_mm}));
+  EXPECT_EQ(ct(3, 0, 0), 30 + 100);
+  EXPECT_EQ(ct(3, 2, 7), 30 + 117);
+}
+
+TEST(Dicom, AMissingSliceIsNamed) {
+  auto slices = usual_series();
+  slices.erase(slices.begin() + 3);
+  EXPECT_NE(refusal("missing", slices).find("5.00 mm between slices 3 and 4"), std::string::npos);
+}
+
+TEST(Dicom, TwoPhasesInOneSeriesAreRefused) {
+  auto slices = usual_series();
+  for (const auto& slice : usual_series()) slices.push_back({.instance = slice.instance + 100, .z_mm = slice.z_mm});
+  EXPECT_NE(refusal("phases", slices).find("8 of its 16 slices lie where another"), std::string::npos);
+}
+
+TEST(Dicom, ATiltedGantryIsRefused) {
+  auto slices = usual_series();
+  for (auto& slice : slices) slice.y_mm += 0.3 * (slice.z_mm - 100);
+  EXPECT_NE(refusal("tilted", slices).find("tilted gantry"), std::string::npos);
+}
+
+TEST(Dicom, ATruncatedSliceIsNamedWhereverItEnds) {
+  const fs::path folder = written("truncated", usual_series());
+  const auto whole = fs::file_size(folder / "image 95");
+  for (const auto bytes : {whole - 10, whole - 30, std::uintmax_t{300}, std::uintmax_t{133}}) {
+    fs::resize_file(folder / "image 95", bytes);
+    EXPECT_NE(testing::error_of([&] { adapters::read_ct(folder.string()); }), "") << bytes;
+  }
+}
+
+TEST(Dicom, SeveralSeriesASingleSliceAndOneFileAreRefused) {
+  auto slices = usual_series();
+  for (const auto& slice : usual_series())
+    slices.push_back({.instance = slice.instance + 100, .z_mm = slice.z_mm, .series = "1.2.3.5"});
+  EXPECT_NE(refusal("several", slices).find("2 DICOM series"), std::string::npos);
+  EXPECT_NE(refusal("single", {usual_series().front()}).find("single slice"), std::string::npos);
+  const fs::path file = fs::path(written("one_file", usual_series())) / "image 99";
+  EXPECT_NE(testing::error_of([&] { adapters::read_ct(file.string()); }).find("folder"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace heart

@@ -1,0 +1,34 @@
+#include "generator/segment/hounsfield.hpp"
+
+#include <gtest/gtest.h>
+
+#include "model/error.hpp"
+
+namespace heart::segment {
+namespace {
+
+/// Muscle with a layer of fat on two slices of ten.
+CtVolume slab_of_fat(int offset) {
+  Grid grid;
+  grid.size = {6, 6, 10};
+  CtVolume ct(grid, static_cast<std::int16_t>(60 + offset));
+  for (std::int64_t k = 0; k < 2; ++k)
+    for (std::int64_t j = 0; j < 6; ++j)
+      for (std::int64_t i = 0; i < 6; ++i) ct(i, j, k) = static_cast<std::int16_t>(-100 + offset);
+  return ct;
+}
+
+TEST(Hounsfield, AFewVoxelsOfFatAreEnough) { EXPECT_NO_THROW(require_hounsfield(slab_of_fat(0))); }
+
+TEST(Hounsfield, ALostRescaleIsNamedWithItsValues) {
+  try {
+    require_hounsfield(slab_of_fat(1024));
+    FAIL() << "accepted";
+  } catch (const UserError& error) {
+    EXPECT_NE(error.problem.find("924 to 1084"), std::string::npos) << error.problem;
+    EXPECT_NE(error.remedy.find("1024"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace heart::segment

@@ -21,6 +21,7 @@
 
 #include "generator/adapters/dicom_io.hpp"
 #include "generator/adapters/itk_volume.hpp"
+#include "generator/adapters/meta_image.hpp"
 #include "generator/adapters/nifti_io.hpp"
 #include "model/error.hpp"
 #include "model/text.hpp"
@@ -133,7 +134,6 @@ void check_extent(const Grid& grid, const std::string& path) {
                     "give spacing and origin in mm, not in m or um");
 }
 
-bool is_meta_image(const std::string& path) { return path.ends_with(".mhd") || path.ends_with(".mha"); }
 bool is_nifti(const std::string& path) { return path.ends_with(".nii") || path.ends_with(".nii.gz"); }
 
 itk::ImageIOBase::Pointer open_header(const std::string& path) {
@@ -144,35 +144,6 @@ itk::ImageIOBase::Pointer open_header(const std::string& path) {
   io->SetFileName(path);
   io->ReadImageInformation();
   return io;
-}
-
-/// The value of "KEY = VALUE", empty on a line with another key.
-std::string meta_value(const std::string& line, const std::string& key) {
-  if (!line.starts_with(key + " =")) return {};
-  const auto first = line.find_first_not_of(' ', key.size() + 2);
-  return first == std::string::npos ? std::string{} : line.substr(first, line.find_last_not_of(" \r") - first + 1);
-}
-
-/// The library reads a truncated MetaImage, and one with a negative spacing, without an error. `voxel_bytes`: of the
-/// voxels when not compressed. Voxels in a list of files or in a file of a named pattern are left to the library.
-void check_meta_image(const std::string& path, std::uintmax_t voxel_bytes, const char* remedy) {
-  std::ifstream header(path, std::ios::binary);
-  std::uintmax_t expected = voxel_bytes;
-  std::string data_file;
-  for (std::string line; data_file.empty() && std::getline(header, line);
-       data_file = meta_value(line, "ElementDataFile")) {
-    if (meta_value(line, "ElementSpacing").find('-') != std::string::npos)
-      throw UserError("has a voxel spacing that is not positive", path, "turn the axis in TransformMatrix instead");
-    if (meta_value(line, "CompressedData") == "True") expected = 0;  // unknown, when no size follows
-    const auto size = meta_value(line, "CompressedDataSize");
-    std::from_chars(size.data(), size.data() + size.size(), expected);
-  }
-  const bool local = data_file == "LOCAL";
-  const fs::path data = local ? fs::path(path) : fs::path(path).parent_path() / data_file;
-  if (data_file == "LIST" || !fs::is_regular_file(data)) return;
-  const auto start = local ? static_cast<std::uintmax_t>(header.tellg()) : 0;
-  if (fs::file_size(data) < start + expected)
-    throw UserError(local ? "is truncated" : fmt::format("its voxels in {} are truncated", data_file), path, remedy);
 }
 
 Volume<float> read_file(const std::string& path, bool allow_2d) {

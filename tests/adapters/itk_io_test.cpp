@@ -105,6 +105,17 @@ TEST(ReadCt, RefusesNegativeSpacingOfAMetaImage) {
   EXPECT_NE(testing::error_of([&] { adapters::read_ct(path.string()); }).find("not positive"), std::string::npos);
 }
 
+TEST(ReadImage, AnExponentIsNoNegativeSpacing) {
+  Grid grid;
+  grid.size = {4, 3, 2};
+  grid.spacing_mm = {2e-5, 3e-5, 4e-5};
+  const Volume<float> tiny(grid, 1);
+  const auto path = (testing::scratch_folder("itk_io_exponent") / "tiny.mha").string();
+  adapters::write_volume(path, tiny);
+  EXPECT_NE(testing::bytes_of(path).find("e-05"), std::string::npos);
+  EXPECT_EQ(adapters::read_image(path).voxels, tiny.voxels);
+}
+
 TEST(ReadCt, RefusesLengthsInAnotherUnit) {
   CtVolume ct = small_ct();
   ct.grid.spacing_mm = 1e-3 * ct.grid.spacing_mm;

@@ -1,0 +1,15 @@
+// What ITK's reader and writer of MetaImages (.mhd, .mha) leave unsaid.
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace heart::adapters {
+
+bool is_meta_image(const std::string& path);
+
+/// Throws UserError where the file is truncated or its spacing is negative; ITK reads both without an error, and does
+/// not notice a full disk when it writes. `voxel_bytes`: of the voxels when not compressed. Voxels in a list of files
+/// or in a file of a named pattern are left to ITK.
+void check_meta_image(const std::string& path, std::uintmax_t voxel_bytes, const char* remedy);
+
+}  // namespace heart::adapters

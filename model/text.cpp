@@ -58,15 +58,29 @@ double parse_number(std::string_view text, const std::string& where) {
   return value;
 }
 
-void prepare_output(const std::filesystem::path& path) {
-  namespace fs = std::filesystem;
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error && (path.empty() || fs::is_directory(path))) error = std::make_error_code(std::errc::is_a_directory);
-  const fs::path target = fs::exists(path) ? path : folder;
-  if (!error && access(target.c_str(), W_OK) != 0) error = {errno, std::generic_category()};
+namespace {
+
+void refuse_output(const std::filesystem::path& path, const std::error_code& error) {
   if (error) throw UserError("cannot be written: " + error.message(), path.string(), "name another file");
+}
+
+}  // namespace
+
+void check_output(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  if (path.empty() || fs::is_directory(path)) refuse_output(path, std::make_error_code(std::errc::is_a_directory));
+  fs::path there = path;  // the first that exists, going up
+  while (!there.empty() && !fs::exists(there)) there = there.parent_path();
+  if (there.empty()) there = ".";
+  if (there != path && !fs::is_directory(there)) refuse_output(path, std::make_error_code(std::errc::not_a_directory));
+  if (access(there.c_str(), W_OK) != 0) refuse_output(path, {errno, std::generic_category()});
+}
+
+void prepare_output(const std::filesystem::path& path) {
+  check_output(path);
+  std::error_code error;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
+  refuse_output(path, error);
 }
 
 void write_text(const std::filesystem::path& path, std::string_view text) {

@@ -16,8 +16,11 @@ std::string number_text(double value);
 /// The number that a text holds, whole. Throws UserError naming `where`.
 double parse_number(std::string_view text, const std::string& where);
 
-/// Before long work whose result goes to the file `path`: makes its folder. Throws UserError when that cannot be, when
-/// nothing can be written there, or when `path` is a folder.
+/// Before long work whose result goes to the file `path`. Throws UserError when nothing can be written there, or when
+/// `path` is a folder; changes nothing.
+void check_output(const std::filesystem::path& path);
+
+/// The same, and makes the folder.
 void prepare_output(const std::filesystem::path& path);
 
 /// Writes a text file, byte for byte; makes the folder. Throws UserError when it cannot.

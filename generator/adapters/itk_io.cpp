@@ -284,7 +284,8 @@ void check_written_nifti(const std::string& path, std::uintmax_t voxel_bytes) {
 
 template <class T>
 void write(const std::string& path, const Volume<T>& volume) {
-  prepare_image_output(path);
+  check_image_output(path);
+  prepare_output(path);
   register_formats();
   const auto image = Image<T>::New();
   typename Image<T>::SizeType size;
@@ -380,11 +381,11 @@ LabelImage read_label_image(const std::string& path) {
 
 Volume<float> read_image(const std::string& path) { return read_any(path, true); }
 
-void prepare_image_output(const std::string& path) {
+void check_image_output(const std::string& path) {
   constexpr std::array endings{".nii", ".nii.gz", ".nrrd", ".mhd", ".mha"};
   if (std::none_of(endings.begin(), endings.end(), [&](const char* ending) { return path.ends_with(ending); }))
     throw UserError("is of no known kind", path, "use .nii.gz, .nii, .nrrd, .mha or .mhd");
-  prepare_output(path);
+  check_output(path);
 }
 
 void write_volume(const std::string& path, const Volume<std::int16_t>& volume) { write(path, volume); }

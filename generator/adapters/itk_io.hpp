@@ -38,9 +38,9 @@ LabelImage read_label_image(const std::string& path);
 /// Reads any scalar image as float, 2D images as one slice (for `heartgen filter`).
 Volume<float> read_image(const std::string& path);
 
-/// Commands call it before their long work: makes the folder. Throws UserError when write_volume knows no format for
-/// the ending, or nothing can be written there.
-void prepare_image_output(const std::string& path);
+/// Commands call it before their long work. Throws UserError when write_volume knows no format for the ending, or
+/// nothing can be written there; changes nothing.
+void check_image_output(const std::string& path);
 
 /// Writes .nii, .nii.gz, .nrrd, .mhd, .mha (compressed where the format can). Throws UserError on failure.
 void write_volume(const std::string& path, const Volume<std::int16_t>& volume);

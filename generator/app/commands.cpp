@@ -252,7 +252,7 @@ int filter_command(const FilterCommand& command, const parallel::Comm& comm) {
                       "write --name value");
     parameters[key.substr(2)] = parse_number(command.parameters[i + 1], "filter " + command.name + " " + key);
   }
-  adapters::prepare_image_output(command.output);
+  adapters::check_image_output(command.output);
   const auto image = parallel::run_on_root(comm, [&] { return adapters::read_image(command.input); });
   const auto result = segment::apply_filter(command.name, image, parameters, comm);
   parallel::run_on_root(comm, [&] { adapters::write_volume(command.output, result); });

@@ -182,8 +182,8 @@ void check_command(const ContoursCommand& command) {
 int contours_command(const ContoursCommand& command, const parallel::Comm& comm) {
   check_command(command);
   if (command.method == "broken-circle") return parallel::run_on_root(comm, [&] { return broken_circle(command); });
-  adapters::prepare_image_output(command.output);
-  if (!command.surface.empty()) adapters::prepare_image_output(command.surface);
+  adapters::check_image_output(command.output);
+  if (!command.surface.empty()) adapters::check_image_output(command.surface);
   const auto image = parallel::run_on_root(comm, [&] { return adapters::read_image(command.input); });
   Outcome outcome;
   if (command.method == "snake")

@@ -87,9 +87,8 @@ void write(const InpaintCommand& command, const Volume<Vec3>& fiber) {
 
 int inpaint_command(const InpaintCommand& command, const parallel::Comm& comm) {
   const auto input = parallel::run_on_root(comm, [&] {
-    auto found = read_input(command);
-    for (std::size_t axis = 0; axis < 3; ++axis) adapters::prepare_image_output(path_in(command.output, axis));
-    return found;
+    for (std::size_t axis = 0; axis < 3; ++axis) adapters::check_image_output(path_in(command.output, axis));
+    return read_input(command);
   });
   const auto filled = fibers::inpaint_axes(input.fiber, input.wall, command.iterations, comm);
   parallel::run_on_root(comm, [&] {

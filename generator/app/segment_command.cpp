@@ -69,7 +69,7 @@ void print_table(const Json& result) {
 
 int segment_command(const SegmentCommand& command, const parallel::Comm& comm) {
   const Recipe recipe = read_recipe(command.recipe);
-  adapters::prepare_image_output(command.output);
+  adapters::check_image_output(command.output);
   const auto image = parallel::run_on_root(comm, [&] { return adapters::read_image(command.image); });
   const Timer denoising;
   const auto smooth = segment::perona_malik(image, recipe.denoise, comm);

@@ -12,6 +12,7 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/improve/carry_data.hpp"
 #include "generator/improve/msh_file.hpp"
+#include "generator/improve/orient.hpp"
 #include "model/error.hpp"
 #include "model/text.hpp"
 #include "validation/cell_quality.hpp"
@@ -218,7 +219,7 @@ void check_paths(const ImproveCommand& command) {
     if (extension != ".vtu" && extension != ".vtk" && extension != ".msh")
       throw UserError("is of no known kind", path, "use .vtu, .vtk or .msh");
   }
-  prepare_output(command.output);
+  check_output(command.output);
 }
 
 }  // namespace

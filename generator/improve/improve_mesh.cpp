@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "generator/improve/orient.hpp"
 #include "generator/lattice/complex.hpp"
 #include "generator/lattice/quality.hpp"
 #include "generator/lattice/repair.hpp"
@@ -286,20 +287,7 @@ double worst(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells) {
   return least;
 }
 
-double volume_of(const std::vector<Vec3>& nodes, const Cell& c) {
-  const auto at = [&](std::size_t i) { return nodes[static_cast<std::size_t>(c[i])]; };
-  return dot(at(1) - at(0), cross(at(2) - at(0), at(3) - at(0)));
-}
-
 }  // namespace
-
-std::vector<Cell> oriented_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell> cells) {
-  const auto negative =
-      std::count_if(cells.begin(), cells.end(), [&](const Cell& cell) { return volume_of(nodes_mm, cell) < 0; });
-  if (2 * static_cast<std::size_t>(negative) > cells.size())
-    for (auto& cell : cells) std::swap(cell[2], cell[3]);
-  return cells;
-}
 
 ImprovedMesh improve_mesh(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& given,
                           const std::vector<std::int32_t>& region, const ImproveSettings& settings) {

@@ -32,8 +32,4 @@ struct ImprovedMesh {
 ImprovedMesh improve_mesh(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
                           const std::vector<std::int32_t>& region, const ImproveSettings& settings);
 
-/// Where cells disagree about the order of their nodes, the majority is right: the others are inverted in space.
-/// Returns the cells with positive orientation as far as that goes.
-std::vector<Cell> oriented_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell> cells);
-
 }  // namespace heart::improve

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "generator/improve/improve_mesh.hpp"
+#include "generator/improve/orient.hpp"
 #include "generator/lattice/quality.hpp"
 #include "generator/parallel/threads.hpp"
 #include "improve/blocks.hpp"
@@ -168,6 +169,44 @@ TEST(Improve, TheOtherOrientationIsTurnedAround) {
   const auto mesh = improved(b, {});
   EXPECT_GT(worst_quality(mesh.nodes_mm, mesh.cells), 0.5);
   EXPECT_EQ(mesh.cells.size(), b.cells.size());
+}
+
+TEST(Improve, CellsWrittenBothWaysAreTurnedToOneOrder) {
+  auto b = block(4);
+  b.nodes[static_cast<std::size_t>((2 * 5 + 2) * 5 + 2)] += Vec3{1.2, 0.9, 0.4};  // some are inverted in space besides
+  ASSERT_LT(worst_quality(b.nodes, b.cells), 0);
+  heart::testing::Shaking noise{5};
+  for (auto& cell : b.cells)
+    if (noise.next() < 0.2) std::swap(cell[1], cell[2]);
+  const auto mesh = improved(b, {.goal_deg = 20});
+  EXPECT_GT(smallest_angle(mesh.nodes_mm, mesh.cells), 15);
+  EXPECT_GT(worst_quality(mesh.nodes_mm, mesh.cells), 0);
+  EXPECT_NEAR(volumes(mesh.nodes_mm, mesh.cells, mesh.region).at(7), 4 * 4 * 4, 1e-9);
+}
+
+TEST(Improve, OnlyTheOrderOfNodesIsTurnedNotWhatIsInverted) {
+  auto b = block(4);
+  b.nodes[static_cast<std::size_t>((2 * 5 + 2) * 5 + 2)] += Vec3{1.2, 0.9, 0.4};
+  auto mixed = b;
+  for (std::size_t c = 0; c < mixed.cells.size(); c += 3) std::swap(mixed.cells[c][2], mixed.cells[c][3]);
+  const auto cells = improve::oriented_cells(b.nodes, mixed.cells);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    EXPECT_EQ(heart::testing::volume(b.nodes, cells[c]), heart::testing::volume(b.nodes, b.cells[c])) << c;
+}
+
+TEST(Improve, EveryPieceIsOrientedForItself) {
+  auto b = block(2);
+  const auto there = static_cast<std::int32_t>(b.nodes.size());
+  const auto count = b.cells.size();
+  for (std::int32_t n = 0; n < there; ++n) b.nodes.push_back(b.nodes[static_cast<std::size_t>(n)] + Vec3{9, 0, 0});
+  for (std::size_t c = 0; c < count; ++c) {
+    Cell cell = b.cells[c];
+    for (auto& n : cell) n += there;
+    std::swap(cell[0], cell[3]);
+    b.cells.push_back(cell);
+  }
+  for (const auto& cell : improve::oriented_cells(b.nodes, b.cells))
+    EXPECT_GT(heart::testing::volume(b.nodes, cell), 0);
 }
 
 TEST(Improve, TheResultIsAValidMesh) {

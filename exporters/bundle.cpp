@@ -13,6 +13,7 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "model/error.hpp"
 #include "model/feature_curves.hpp"
+#include "model/text.hpp"
 
 namespace heart::exporters {
 namespace {
@@ -21,8 +22,6 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
-  for (const char* name : {"meshes", "surfaces", "curves", "images", "validation"})
-    fs::create_directories(folder / name);
   for (const auto& [name, mesh] : bundle.meshes) {
     adapters::write_vtu(folder / manifest.meshes.at(name).file, mesh);
     adapters::write_vtp(folder / manifest.meshes.at(name).surface_file, mesh);

@@ -10,15 +10,6 @@
 
 namespace heart::exporters {
 
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::error_code ignored;  // a folder that cannot be made shows as a file that cannot be opened
-  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
-  std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-  stream.close();
-  if (!stream) throw UserError("cannot be written", path.string(), "is there room, and the right to write there?");
-}
-
 std::string read_text(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path))

@@ -6,9 +6,6 @@
 
 namespace heart::exporters {
 
-/// Writes the whole text; makes missing folders. Throws UserError naming the file (also when the disk is full).
-void write_text(const std::filesystem::path& path, const std::string& text);
-
 /// Throws UserError when the file is missing or cannot be read.
 std::string read_text(const std::filesystem::path& path);
 

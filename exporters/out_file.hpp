@@ -12,12 +12,17 @@
 #include <span>
 
 #include "model/error.hpp"
+#include "model/text.hpp"
 
 namespace heart::exporters {
 
 class OutFile {
  public:
-  explicit OutFile(std::filesystem::path path) : path_(std::move(path)), stream_(path_, std::ios::binary) {}
+  /// Makes the folder that the file is in. Throws UserError when it cannot.
+  explicit OutFile(std::filesystem::path path) : path_(std::move(path)) {
+    make_folder_of(path_);
+    stream_.open(path_, std::ios::binary);
+  }
 
   /// `format` is an FMT_COMPILE("...") literal.
   template <class Format, class... Args>

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "exporters/files.hpp"
 #include "exporters/formats.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/text.hpp"
 
 namespace heart::exporters {
 namespace {

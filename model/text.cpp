@@ -76,21 +76,18 @@ void check_output(const std::filesystem::path& path) {
   if (access(there.c_str(), W_OK) != 0) refuse_output(path, {errno, std::generic_category()});
 }
 
-void prepare_output(const std::filesystem::path& path) {
-  check_output(path);
+void make_folder_of(const std::filesystem::path& path) {
   std::error_code error;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
   refuse_output(path, error);
 }
 
 void write_text(const std::filesystem::path& path, std::string_view text) {
-  if (path.has_parent_path()) {
-    std::error_code ignored;  // the open below tells
-    std::filesystem::create_directories(path.parent_path(), ignored);
-  }
+  make_folder_of(path);
   std::ofstream file(path, std::ios::binary);
   file.write(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file.flush()) throw UserError("cannot be written", path.string(), "check the folder and the space left");
+  file.close();
+  if (!file) throw UserError("cannot be written", path.string(), "is there room, and the right to write there?");
 }
 
 }  // namespace heart

@@ -20,10 +20,10 @@ double parse_number(std::string_view text, const std::string& where);
 /// `path` is a folder; changes nothing.
 void check_output(const std::filesystem::path& path);
 
-/// The same, and makes the folder.
-void prepare_output(const std::filesystem::path& path);
+/// What writes the file `path` calls this first: makes the folder it is in. Throws UserError when it cannot.
+void make_folder_of(const std::filesystem::path& path);
 
-/// Writes a text file, byte for byte; makes the folder. Throws UserError when it cannot.
+/// Writes a text file, byte for byte; makes the folder. Throws UserError when it cannot (also when the disk is full).
 void write_text(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace heart

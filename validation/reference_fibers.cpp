@@ -1,81 +1,80 @@
 #include "validation/reference_fibers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
-#include "model/corners.hpp"
 #include "model/labels.hpp"
+#include "model/voxels_in_cell.hpp"
 
 namespace heart::validation {
 namespace {
 
-/// Mean axis of the known voxels around a point, weighted as in trilinear interpolation, their signs turned to that of
-/// the nearest voxel; zero where the nearest voxel is not known. Voxels whose axis differs from that one's by more than
-/// a wall's fibres turn within a voxel lie in another wall and do not count.
-Vec3 reference_at(const ReferenceFibers& reference, const Vec3& lps_mm) {
-  constexpr double same_wall_cosine = 0.5;
-  const Grid& grid = reference.x.grid;
-  const Vec3 index = index_from_lps(grid, lps_mm);
-  const auto axis_at = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return grid.contains(i, j, k) ? normalized({reference.x(i, j, k), reference.y(i, j, k), reference.z(i, j, k)})
-                                  : Vec3{};
-  };
-  const Vec3 nearest = axis_at(std::llround(index.x), std::llround(index.y), std::llround(index.z));
-  if (norm(nearest) < 0.5) return {};
+/// Axis of the mesh in one of its cells: its nodes' axes weighted, their signs turned to that of the greatest weight's.
+Vec3 mesh_axis(const TetMesh& mesh, const Cell& cell, const std::array<double, 4>& weights) {
+  const auto fiber = [&](std::size_t n) { return mesh.node_fibers.fiber[static_cast<std::size_t>(cell[n])]; };
+  const auto main = static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
   Vec3 sum;
-  for_corners(index, [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
-    const Vec3 axis = axis_at(i, j, k);
-    const double cosine = dot(axis, nearest);
-    if (std::abs(cosine) >= same_wall_cosine) sum += (cosine < 0 ? -weight : weight) * axis;
-  });
+  for (std::size_t n = 0; n < 4; ++n) sum += (dot(fiber(n), fiber(main)) < 0 ? -weights[n] : weights[n]) * fiber(n);
   return normalized(sum);
-}
-
-Vec3 cell_center(const TetMesh& mesh, const Cell& cell) {
-  Vec3 sum;
-  for (const auto node : cell) sum += mesh.nodes_mm[static_cast<std::size_t>(node)];
-  return sum / 4;
 }
 
 double axis_angle_deg(const Vec3& a, const Vec3& b) {
   return std::acos(std::min(1.0, std::abs(dot(a, b)))) * 180 / std::numbers::pi;
 }
 
-void add_rows(Report& report, const std::string& scope, std::vector<double> errors_deg, std::size_t cells) {
+/// Of the voxel centres within a part of the mesh.
+struct Errors {
+  std::vector<double> known_deg;  ///< where the field is known
+  std::size_t voxels = 0;         ///< all
+};
+
+void add_rows(Report& report, const std::string& scope, Errors errors) {
   const auto row = [&](const char* metric, double value, const char* unit) {
     report.push_back({"fibers", scope, metric, value, unit, {}, {}});
   };
-  row("compared_fraction", cells ? static_cast<double>(errors_deg.size()) / static_cast<double>(cells) : 0, "1");
-  if (errors_deg.empty()) return;
+  auto& deg = errors.known_deg;
+  row("compared_fraction", errors.voxels ? static_cast<double>(deg.size()) / static_cast<double>(errors.voxels) : 0,
+      "1");
+  if (deg.empty()) return;
   double sum = 0;
-  for (const double error : errors_deg) sum += error;
-  std::sort(errors_deg.begin(), errors_deg.end());
-  row("axis_error_mean", sum / static_cast<double>(errors_deg.size()), "deg");
-  row("axis_error_p95", errors_deg[(errors_deg.size() - 1) * 95 / 100], "deg");
+  for (const double error : deg) sum += error;
+  std::sort(deg.begin(), deg.end());
+  row("axis_error_mean", sum / static_cast<double>(deg.size()), "deg");
+  row("axis_error_p95", deg[(deg.size() - 1) * 95 / 100], "deg");
 }
 
 }  // namespace
 
 Report compare_fibers(const TetMesh& mesh, const ReferenceFibers& reference) {
   Report report;
-  if (mesh.cell_fibers.fiber.size() != mesh.cells.size()) return report;
-  std::vector<double> both_deg;
-  std::size_t both_cells = 0;
-  for (const Region region : {Region::lv_myocardium, Region::rv_myocardium}) {
-    std::vector<double> errors_deg;
-    std::size_t cells = 0;
-    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-      if (mesh.region[c] != tag(region)) continue;
-      ++cells;
-      const Vec3 known = reference_at(reference, cell_center(mesh, mesh.cells[c]));
-      if (norm(known) > 0.5) errors_deg.push_back(axis_angle_deg(known, normalized(mesh.cell_fibers.fiber[c])));
-    }
-    both_deg.insert(both_deg.end(), errors_deg.begin(), errors_deg.end());
-    both_cells += cells;
-    add_rows(report, region_name(tag(region)), std::move(errors_deg), cells);
+  if (mesh.node_fibers.fiber.size() != mesh.nodes_mm.size()) return report;
+  const Grid& grid = reference.x.grid;
+  std::vector<std::uint8_t> seen(reference.x.voxels.size());  // centres on a face belong to the first of its cells
+  Errors lv, rv;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const auto region = static_cast<Region>(mesh.region[c]);
+    if (region != Region::lv_myocardium && region != Region::rv_myocardium) continue;
+    Errors& errors = region == Region::lv_myocardium ? lv : rv;
+    const Cell& cell = mesh.cells[c];
+    std::array<Vec3, 4> corners_mm;
+    for (std::size_t n = 0; n < 4; ++n) corners_mm[n] = mesh.nodes_mm[static_cast<std::size_t>(cell[n])];
+    for_voxels_in_cell(grid, corners_mm, [&](std::int64_t voxel, const std::array<double, 4>& weights) {
+      const auto v = static_cast<std::size_t>(voxel);
+      if (seen[v]) return;
+      seen[v] = 1;
+      ++errors.voxels;
+      const Vec3 known = normalized({reference.x.voxels[v], reference.y.voxels[v], reference.z.voxels[v]});
+      if (norm(known) > 0.5) errors.known_deg.push_back(axis_angle_deg(known, mesh_axis(mesh, cell, weights)));
+    });
   }
-  add_rows(report, "ventricles", std::move(both_deg), both_cells);
+  Errors both = lv;
+  both.voxels += rv.voxels;
+  both.known_deg.insert(both.known_deg.end(), rv.known_deg.begin(), rv.known_deg.end());
+  add_rows(report, "lv_myocardium", std::move(lv));
+  add_rows(report, "rv_myocardium", std::move(rv));
+  add_rows(report, "ventricles", std::move(both));
   return report;
 }
 

@@ -12,9 +12,9 @@ struct ReferenceFibers {
 };
 
 /// Rows of group "fibers", scope lv_myocardium, rv_myocardium and ventricles (both): axis_error_mean and _p95 (deg)
-/// over the cells whose centre lies in the known field (nearest voxel), and compared_fraction, their share. The field
-/// is interpolated linearly (signs aligned) among the known voxels around the centre that belong to the same wall: in a
-/// wall of two or three voxels the nearest one alone may be 30 degrees off.
+/// over the voxel centres of the known field that lie in the region's cells, and compared_fraction, their share of all
+/// voxel centres there. It is the nodes' field that is compared, interpolated in the cell: the known field itself is
+/// taken only where it is known, for in a wall of two or three voxels half of one is worth 20 degrees.
 Report compare_fibers(const TetMesh& myocardium, const ReferenceFibers& reference);
 
 }  // namespace heart::validation

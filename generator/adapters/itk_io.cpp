@@ -285,7 +285,7 @@ void check_written_nifti(const std::string& path, std::uintmax_t voxel_bytes) {
 template <class T>
 void write(const std::string& path, const Volume<T>& volume) {
   check_image_output(path);
-  prepare_output(path);
+  make_folder_of(path);
   register_formats();
   const auto image = Image<T>::New();
   typename Image<T>::SizeType size;

@@ -23,6 +23,7 @@
 
 #include "generator/adapters/vtk_guard.hpp"
 #include "model/sort_unique.hpp"
+#include "model/text.hpp"
 
 namespace heart::adapters {
 namespace {
@@ -96,6 +97,7 @@ vtkSmartPointer<vtkPoints> borrow_points(const std::vector<Vec3>& points) {
 /// All settings that decide the bytes of an XML file are fixed here.
 template <class Writer>
 void write_xml(const std::filesystem::path& path, vtkDataObject* data) {
+  make_folder_of(path);
   run_guarded(path, "cannot write", [&] {
     vtkNew<Writer> writer;
     writer->SetFileName(path.c_str());
@@ -259,6 +261,7 @@ void write_unstructured(const std::filesystem::path& path, const UnstructuredDat
     write_xml<vtkXMLUnstructuredGridWriter>(path, grid);
     return;
   }
+  make_folder_of(path);
   run_guarded(path, "cannot write", [&] {
     vtkNew<vtkUnstructuredGridWriter> writer;
     writer->SetFileName(path.c_str());

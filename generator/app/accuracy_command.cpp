@@ -22,6 +22,7 @@
 #include "generator/study/study.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
+#include "model/text.hpp"
 #include "validation/contour_fit.hpp"
 
 namespace heart::app {
@@ -250,10 +251,9 @@ Json grid_of(const datasets::PhantomSettings& settings) {
 }
 
 void write_case(const fs::path& file, const Case& c, const datasets::PhantomSettings& settings) {
-  fs::create_directories(file.parent_path());
   Json row = as_json(c);
   row["grid"] = grid_of(settings);
-  std::ofstream(file) << row.dump(1) << "\n";
+  write_text(file, row.dump(1) + "\n");
 }
 
 /// The row of an earlier run; nothing where there is none, or one of another grid, or one that was cut off.
@@ -333,12 +333,6 @@ study::Plot plot_of(const std::vector<Case>& cases) {
   return plot;
 }
 
-/// Called before the work as well, to know in time that it can be written.
-void write_plot(const std::string& file, const std::string& text) {
-  if (!file.empty() && !(std::ofstream(file) << text << std::flush))
-    throw UserError("cannot be written", file, "name a file in a folder that exists and may be written to");
-}
-
 /// Every variant at every noise.
 std::vector<datasets::PhantomSettings> phantoms_of(const AccuracyCommand& command) {
   std::vector<datasets::PhantomSettings> phantoms;
@@ -363,7 +357,9 @@ int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm)
   if (command.of != "chambers") return accuracy_of_part(command, phantoms, comm);
   if (command.resume && command.keep.empty())
     throw UserError("there is nothing to resume", "accuracy --resume", "name the earlier run's folder with --keep");
-  parallel::run_on_root(comm, [&] { write_plot(command.plot, ""); });
+  parallel::run_on_root(comm, [&] {
+    if (!command.plot.empty()) check_output(command.plot);
+  });
   const bool table = comm.is_root() && !command.json;
   if (table) print_heading();
   std::vector<Case> cases;
@@ -372,7 +368,9 @@ int accuracy_command(const AccuracyCommand& command, const parallel::Comm& comm)
     if (table) print_row(cases.back());
   }
   if (table) print_summary(cases);
-  parallel::run_on_root(comm, [&] { write_plot(command.plot, study::svg(plot_of(cases))); });
+  parallel::run_on_root(comm, [&] {
+    if (!command.plot.empty()) write_text(command.plot, study::svg(plot_of(cases)));
+  });
   if (comm.is_root() && command.json) {
     Json rows = Json::array();
     for (const Case& c : cases) rows.push_back(as_json(c));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,10 +11,12 @@
 #include "exporters/registry.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
+#include "generator/app/input_files.hpp"
 #include "generator/app/mesh_certificate.hpp"
 #include "generator/app/pipeline.hpp"
 #include "generator/app/resolutions.hpp"
 #include "generator/app/stage_files.hpp"
+#include "generator/labels/given_labels.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/segment/filters.hpp"
@@ -39,6 +42,42 @@ std::map<std::string, TetMesh> read_meshes(const std::string& bundle) {
   for (const auto& [name, entry] : exporters::read_manifest(bundle).meshes)
     meshes[name] = exporters::read_mesh(bundle, name);
   return meshes;
+}
+
+/// The CT that a report's outlines are drawn over. Throws UserError where it is not of the heart in `labels`.
+CtVolume ct_of_labels(const std::string& path, const LabelVolume& labels) {
+  CtVolume ct = adapters::read_ct(path);
+  if (!labels::same_place(ct.grid, labels.grid))
+    throw UserError("has another size, spacing or place than the bundle's label map", path,
+                    "give the CT that the bundle was made from, or none");
+  labels::refuse_labels_beside_heart(labels, ct, path);
+  return ct;
+}
+
+std::string remark_on_ct(const std::string& path, const exporters::Manifest& manifest) {
+  if (path.empty()) return "Made from the bundle alone: the CT is not part of it.";
+  const auto given = hash_input("ct", path).sha256;
+  const bool is_input = std::any_of(manifest.inputs.begin(), manifest.inputs.end(),
+                                    [&](const auto& input) { return input.sha256 == given; });
+  return is_input ? "" : "Drawn over a CT that is not, byte for byte, one of the bundle's inputs.";
+}
+
+void check_mesh_output(const std::string& path) {
+  const auto extension = fs::path(path).extension();
+  if (extension != ".vtu" && extension != ".msh" && extension != ".vtk")
+    throw UserError("is of no known kind", path, "give a name that ends in .vtu, .msh (gmsh 4.1) or .vtk");
+  check_output(path);
+}
+
+/// The mesh, its labelled faces and its curves, in kinds of files that `improve` reads too. Returns them, the mesh
+/// first.
+std::vector<fs::path> write_mesh(const fs::path& path, const TetMesh& mesh) {
+  const std::string name = path.stem().string(), kind = path.extension().string();
+  const std::string format = kind == ".msh" ? "msh-ascii" : kind.substr(1);
+  auto files = exporters::export_mesh(format, mesh, name, path.has_parent_path() ? path.parent_path() : ".");
+  files.push_back(fs::path(path).replace_filename(name + "_curves.vtp"));
+  adapters::write_curves(files.back(), mesh, feature_curves(mesh));
+  return files;
 }
 
 std::string bound_text(const ReportRow& row) {
@@ -221,12 +260,12 @@ int info_command(const std::string& bundle, bool json) {
 }
 
 int report_command(const std::string& bundle, const std::string& html, const std::string& ct_path) {
-  prepare_output(html);
+  check_output(html);
   const auto manifest = exporters::read_manifest(bundle);
   const auto meshes = read_meshes(bundle);
   const LabelVolume labels = exporters::read_labels(bundle);
   const Report metrics = exporters::read_metrics(bundle);
-  const CtVolume ct = ct_path.empty() ? CtVolume{} : adapters::read_ct(ct_path);
+  const CtVolume ct = ct_path.empty() ? CtVolume{} : ct_of_labels(ct_path, labels);
   validation::ReportInput input;
   input.name = manifest.name;
   input.version = manifest.version;
@@ -237,7 +276,7 @@ int report_command(const std::string& bundle, const std::string& html, const std
   input.atlas_name = manifest.atlas;
   for (const auto& file : manifest.inputs) input.inputs.emplace_back(file.name, file.sha256);
   for (const auto& [name, version] : manifest.tools) input.tools.emplace_back(name, version);
-  if (ct_path.empty()) input.remarks.emplace_back("Made from the bundle alone: the CT is not part of it.");
+  if (const auto remark = remark_on_ct(ct_path, manifest); !remark.empty()) input.remarks.push_back(remark);
   write_text(html, validation::make_report(input));
   fmt::print("{}\n", html);
   return 0;
@@ -274,9 +313,7 @@ int mesh_command(const MeshCommand& command) {
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
   if (command.wall_layers) settings.wall_layers = *command.wall_layers;
   if (!command.backend.empty()) settings.backend = command.backend;
-  if (!command.output.ends_with(".vtu"))
-    throw UserError("is of no known kind", command.output, "give a name that ends in .vtu");
-  prepare_output(command.output);
+  check_mesh_output(command.output);
   mesh::LatticeReport steps;
   steps.on_step = [](const std::string& step, double seconds) {
     fmt::print(stderr, "  {:<8} {:7.2f} s\n", step, seconds);
@@ -288,26 +325,22 @@ int mesh_command(const MeshCommand& command) {
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
   const TetMesh mesh =
       mesh::mesh_labels(labels, settings, &steps, command.size_field.empty() ? nullptr : &own_edges_mm);
-  adapters::write_vtu(command.output, mesh);
-  fs::path faces(command.output);
-  adapters::write_vtp(faces.replace_extension(".vtp"), mesh);
   const std::string name = fs::path(command.output).stem().string();
-  const auto curves = fs::path(command.output).replace_filename(name + "_curves.vtp");
-  adapters::write_curves(curves, mesh, feature_curves(mesh));
+  const auto files = write_mesh(command.output, mesh);
   Report report = validation::check_mesh(name, mesh, {});
   append(report, check_fidelity(name, mesh, labels, settings, {}));
   if (command.json)
     fmt::print("{}\n", exporters::report_json(report));
   else {
-    fmt::print("{}: {} nodes, {} cells; faces in {}, curves in {}\n", command.output, mesh.nodes_mm.size(),
-               mesh.cells.size(), faces.string(), curves.string());
+    fmt::print("{} nodes, {} cells in\n", mesh.nodes_mm.size(), mesh.cells.size());
+    for (const auto& file : files) fmt::print("  {}\n", file.lexically_normal().string());
     print_rows(report, false);
   }
   return all_passed(report) ? 0 : validation_failed;
 }
 
 int landmarks_command(const std::string& ct, const std::string& output, bool json) {
-  if (!output.empty()) prepare_output(output);
+  if (!output.empty()) check_output(output);
   const auto found = landmarks::find_landmarks(adapters::read_ct(ct));
   const std::string text = write_landmarks(found.landmarks);
   if (!output.empty()) write_text(output, text);

@@ -35,7 +35,7 @@ Json pose_json(const labels::TorsoPose& pose, const std::vector<labels::CommonMa
 
 int place_command(const PlaceCommand& command) {
   adapters::check_image_output(command.output);
-  if (!command.pose.empty()) prepare_output(command.pose);
+  if (!command.pose.empty()) check_output(command.pose);
   const auto heart = read_region_labels(command.heart), torso = read_region_labels(command.torso);
   const auto marks = labels::common_marks(heart, landmarks_from(command.heart_landmarks), torso,
                                           landmarks_from(command.torso_landmarks));

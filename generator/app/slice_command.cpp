@@ -65,7 +65,7 @@ int slice_command(const SliceCommand& command) {
   const auto extension = fs::path(command.output).extension();
   if (extension != ".vtu" && extension != ".msh")
     throw UserError("unknown kind of mesh file", command.output, "give a name that ends in .vtu or .msh");
-  prepare_output(command.output);
+  check_output(command.output);
   const auto labels = read_region_labels(input.string());
   mesh::SliceSettings settings;
   settings.edge_mm = command.edge_mm.value_or(settings.edge_mm);

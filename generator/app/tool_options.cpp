@@ -30,10 +30,10 @@ void add_tools(Program& p) {
   });
 
   auto* mesh =
-      subcommand(p, "mesh", "Mesh a label map (.vtu for the cells, .vtp beside it for the labelled faces)",
+      subcommand(p, "mesh", "Mesh a label map (.vtu with a .vtp of the labelled faces beside it, or .msh, .vtk)",
                  "heartgen mesh labels.nii.gz heart.vtu --edge 1.5", on_root(p, [&p] { return mesh_command(p.mesh); }));
   mesh->add_option("labels", p.mesh.labels, "label map with the tags of a bundle's manifest")->required();
-  mesh->add_option("output", p.mesh.output, "mesh to write (.vtu)")->required();
+  mesh->add_option("output", p.mesh.output, "mesh to write (.vtu, .msh or .vtk)")->required();
   mesh->add_option("--edge", p.mesh.edge_mm, "edge length in the walls of the heart, mm");
   mesh->add_option("--layers", p.mesh.wall_layers, "cells across thin walls, 0 to 4 (default: the recipe's)");
   mesh->add_option("--size-field", p.mesh.size_field, "image of edge lengths in mm, 0 where nothing is wished");

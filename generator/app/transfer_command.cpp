@@ -51,7 +51,7 @@ void check(const TransferCommand& command) {
   const auto extension = fs::path(command.output).extension();
   if (extension != ".vtu" && extension != ".vtk")
     throw UserError("is of no known kind", command.output, "use .vtu or .vtk");
-  prepare_output(command.output);
+  check_output(command.output);
 }
 
 void refuse_far_nodes(const fibers::TransferredFibers& result, std::size_t nodes, const TransferCommand& command) {

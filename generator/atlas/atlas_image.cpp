@@ -11,6 +11,7 @@
 #include "generator/atlas/ventricles.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/voxels_in_cell.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -43,35 +44,12 @@ Grid grid_around(const std::vector<Vec3>& points, double spacing_mm, double marg
   return grid;
 }
 
-/// Calls visit(voxel, barycentric weights) for every voxel centre in the tetrahedron p.
-template <class Visit>
-void for_voxels_in_tet(const Grid& grid, const std::array<Vec3, 4>& p, Visit&& visit) {
-  constexpr double tolerance = 1e-9;
-  const Vec3 a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
-  const double det = dot(a, cross(b, c));
-  if (det == 0) return;
-  const Box box = box_of({p[0], p[1], p[2], p[3]});
-  const Vec3 low = index_from_lps(grid, box.low), high = index_from_lps(grid, box.high);
-  const auto first = [](double x) { return static_cast<std::int64_t>(std::ceil(x)); };
-  const auto last = [](double x) { return static_cast<std::int64_t>(std::floor(x)); };
-  for (std::int64_t k = first(low.z); k <= last(high.z); ++k)
-    for (std::int64_t j = first(low.y); j <= last(high.y); ++j)
-      for (std::int64_t i = first(low.x); i <= last(high.x); ++i) {
-        const Vec3 x = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-        const Vec3 d = x - p[0];
-        const double u = dot(d, cross(b, c)) / det, v = dot(a, cross(d, c)) / det, w = dot(a, cross(b, d)) / det;
-        const double t = 1 - u - v - w;
-        if (u >= -tolerance && v >= -tolerance && w >= -tolerance && t >= -tolerance)
-          visit(grid.offset(i, j, k), std::array<double, 4>{t, u, v, w});
-      }
-}
-
 template <class Visit>
 void for_voxels_in_mesh(const Grid& grid, const FiberAtlas& atlas, Visit&& visit) {
   for (const Cell& cell : atlas.cells) {
     std::array<Vec3, 4> p;
     for (std::size_t n = 0; n < 4; ++n) p[n] = atlas.points_mm[static_cast<std::size_t>(cell[n])];
-    for_voxels_in_tet(grid, p, [&](std::int64_t v, const std::array<double, 4>& weights) { visit(v, weights, cell); });
+    for_voxels_in_cell(grid, p, [&](std::int64_t v, const std::array<double, 4>& weights) { visit(v, weights, cell); });
   }
 }
 

@@ -196,6 +196,17 @@ TEST_F(BadInput, OutputThatCannotBeIsRefusedFirst) {
   expect_message("inpaint photos file/out --labels ct.nii.gz", {"file/out", "cannot be written"});
 }
 
+TEST_F(BadInput, WhatIsRefusedLeavesNoFolder) {
+  for (const char* command :
+       {"report none new/report.html", "mesh none.nii.gz new/mesh.vtu", "landmarks none.nii.gz --output new/seeds.json",
+        "improve none.vtu new/mesh.vtu", "slice none.nii.gz new/slice.vtu", "transfer none none.vtu new/mesh.vtu",
+        "filter heat none.nii.gz new/out.nrrd",
+        "place none.nii.gz none.nii.gz new/labels.nii.gz --pose new/pose.json"}) {
+    expect_message(command, {"none"});
+    EXPECT_FALSE(fs::exists(folder / "new")) << command;
+  }
+}
+
 TEST_F(BadInput, NamesThatCannotBeAFolders) {
   std::ofstream(folder / "recipe.toml") << "name = \"a/b\"\n[input]\nct = \"ct.nii.gz\"\n";
   expect_message("build --quiet recipe.toml --output out", {"a/b", "name"});

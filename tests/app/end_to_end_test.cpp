@@ -88,6 +88,25 @@ TEST_F(EndToEnd, BundleIsCompleteAndWhole) {
   EXPECT_EQ(testing::text_of(folder() + "/bundle/validation/report.html").find(folder()), std::string::npos);
 }
 
+TEST_F(EndToEnd, AReportIsDrawnOverTheBundlesOwnCt) {
+  const auto reported = testing::heartgen("report bundle again.html --ct phantom/ct.nii.gz", folder());
+  ASSERT_EQ(reported.exit_code, 0) << reported.errors;
+  EXPECT_EQ(testing::text_of(folder() + "/again.html").find("not, byte for byte"), std::string::npos);
+
+  auto ct = adapters::read_ct(folder() + "/phantom/ct.nii.gz");
+  ct.voxels.front() += 1;
+  adapters::write_volume(folder() + "/other_bytes.nii.gz", ct);
+  ASSERT_EQ(testing::heartgen("report bundle again.html --ct other_bytes.nii.gz", folder()).exit_code, 0);
+  EXPECT_NE(testing::text_of(folder() + "/again.html").find("not, byte for byte"), std::string::npos);
+
+  ct.grid.origin_mm.x += 1;
+  adapters::write_volume(folder() + "/another.nii.gz", ct);
+  const auto refused = testing::heartgen("report bundle none.html --ct another.nii.gz", folder());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.errors.find("another.nii.gz"), std::string::npos) << refused.errors;
+  EXPECT_FALSE(fs::exists(folder() + "/none.html"));
+}
+
 TEST_F(EndToEnd, SameContentForOtherThreadsAndLocale) {
   expect_same_content("--no-cache --threads 1", "LC_ALL=de_DE.UTF-8 TZ=Asia/Tokyo");
 }

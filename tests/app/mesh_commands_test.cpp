@@ -1,4 +1,4 @@
-// improve and place as a user runs them.
+// improve, mesh and place as a user runs them.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -73,6 +73,32 @@ TEST(ImproveCommand, NumbersOfNodesAreRefusedByName) {
   EXPECT_EQ(testing::heartgen("improve block.vtk better.stl", folder.string()).exit_code, 2);
   EXPECT_EQ(testing::heartgen("improve none.vtk better.vtk", folder.string()).exit_code, 2);
   EXPECT_EQ(testing::heartgen("improve block.vtk b.vtk --drop id --region wall", folder.string()).exit_code, 2);
+}
+
+TEST(MeshCommand, WritesTheKindOfFileThatTheNameAsksFor) {
+  const auto folder = testing::scratch_folder("mesh");
+  Grid grid;
+  grid.size = {40, 40, 40};
+  LabelVolume labels(grid, 0);
+  for (std::int64_t k = 0; k < 40; ++k)
+    for (std::int64_t j = 0; j < 40; ++j)
+      for (std::int64_t i = 0; i < 40; ++i) {
+        const double r = norm(Vec3{i - 20.0, j - 20.0, k - 20.0});
+        if (r < 15) labels(i, j, k) = tag(r < 9 ? Region::lv_blood : Region::lv_myocardium);
+      }
+  adapters::write_volume((folder / "ball.nii.gz").string(), labels);
+  std::vector<nlohmann::json> before;
+  for (const std::string kind : {"vtu", "msh", "vtk"}) {
+    const auto run = testing::heartgen("mesh ball.nii.gz new/ball." + kind + " --edge 3", folder.string());
+    ASSERT_EQ(run.exit_code, 0) << run.output << run.errors;
+    EXPECT_NE(run.output.find("new/ball." + kind), std::string::npos) << run.output;
+    EXPECT_TRUE(fs::exists(folder / "new" / "ball_curves.vtp"));
+    const auto again = testing::heartgen("improve new/ball." + kind + " again.vtu --json", folder.string());
+    ASSERT_EQ(again.exit_code, 0) << again.errors;
+    before.push_back(nlohmann::json::parse(again.output)["before"]);
+    EXPECT_EQ(before.back(), before.front()) << kind;
+  }
+  EXPECT_GT(before.front()["cells"], 1000);
 }
 
 TEST(PlaceCommand, WritesTheLabelMapAndThePose) {

@@ -46,6 +46,24 @@ TEST(Resolutions, EdgesThatDoNotFitIntoMemoryAreRefusedByName) {
   }
 }
 
+TEST(Memory, EdgesOfTheMeshItselfAreRefusedByName) {
+  constexpr double memory_bytes = 16e9;
+  const LabelVolume heart = usual_heart();
+  EXPECT_NO_THROW(app::check_memory(heart, {}, memory_bytes));
+  for (const auto& [edge, key] : {std::pair{&MeshSettings::heart_edge_mm, "mesh.heart_edge_mm"},
+                                  {&MeshSettings::blood_edge_mm, "mesh.blood_edge_mm"}}) {
+    MeshSettings settings;
+    settings.*edge = 0.05;
+    EXPECT_NO_THROW(app::check_memory(heart, settings, 0)) << "unknown";
+    try {
+      app::check_memory(heart, settings, memory_bytes);
+      FAIL() << key;
+    } catch (const UserError& error) {
+      EXPECT_NE(error.message.find(key), std::string::npos) << error.message;
+    }
+  }
+}
+
 /// A heart of 254 ml of wall and 662 ml of blood was meshed at these edges, its blood with it.
 TEST(Resolutions, TheEstimateIsNotBelowTheCellsOfMeshesThatWereMade) {
   constexpr double least_bytes_per_cell = 600;

@@ -11,12 +11,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing::error_of;
 
-TEST(PrepareOutput, MakesTheFolderAndTouchesNoFile) {
-  const auto folder = testing::scratch_folder("prepare_output");
-  prepare_output(folder / "deep" / "er" / "out.json");
+TEST(MakeFolderOf, TouchesNoFile) {
+  const auto folder = testing::scratch_folder("make_folder_of");
+  make_folder_of(folder / "deep" / "er" / "out.json");
   EXPECT_TRUE(fs::is_empty(folder / "deep" / "er"));
   testing::write_bytes(folder / "old.json", "{}");
-  prepare_output(folder / "old.json");
+  make_folder_of(folder / "old.json");
   EXPECT_EQ(testing::bytes_of(folder / "old.json"), "{}");
 }
 
@@ -28,12 +28,13 @@ TEST(CheckOutput, LeavesNothingBehind) {
   EXPECT_FALSE(fs::exists("not_made_yet"));
 }
 
-TEST(PrepareOutput, RefusesAFolderAndAFileInTheWay) {
-  const auto folder = testing::scratch_folder("prepare_output_refused");
+TEST(CheckOutput, RefusesAFolderAndAFileInTheWay) {
+  const auto folder = testing::scratch_folder("check_output_refused");
   testing::write_bytes(folder / "file", "");
   for (const fs::path& path : {folder, folder / "file" / "out.json", fs::path("")})
-    for (const auto& refuse : {check_output, prepare_output})
-      EXPECT_NE(error_of([&] { refuse(path); }).find("cannot be written"), std::string::npos) << path;
+    EXPECT_NE(error_of([&] { check_output(path); }).find("cannot be written"), std::string::npos) << path;
+  EXPECT_NE(error_of([&] { make_folder_of(folder / "file" / "out.json"); }).find("cannot be written"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace heart {
 
 struct InputSettings {
   std::string ct;           // CT volume: .nii[.gz], .nrrd, .mhd, .mha, or a folder with one DICOM series
-  std::string atlas;        // fibre atlas (.vtk, .vtu, .exnode or .exelem); empty: the built-in stand-in
+  std::string atlas;        // fibre atlas (.vtk, .vtu, .exnode or .exelem, images); empty: the built-in stand-in
   std::string labels;       // labels from elsewhere: an image, or a folder with one mask per structure, see [labels]
   std::string label_names;  // names of their values (.csv or .json); empty: those in the file, or the preset's
   std::string landmarks;    // JSON file with seeds and valve planes; the [landmarks] section overrides it
@@ -24,7 +24,8 @@ struct InputSettings {
   template <class V>
   static void describe(V&& v, auto& s) {
     v("ct", s.ct, "CT volume: NIfTI, NRRD, MetaImage, or a folder with one DICOM series");
-    v("atlas", s.atlas, "fibre atlas (.vtk, .vtu, .exnode); empty: the built-in stand-in atlas");
+    v("atlas", s.atlas,
+      "fibre atlas (.vtk, .vtu, .exnode, an image of vectors or tensors, a folder of images); empty: the stand-in");
     v("labels", s.labels, "labels from elsewhere: an image, or a folder with one mask per structure; see [labels]");
     v("label_names", s.label_names,
       "names of the labels' values (.csv or .json); empty: the file's own or the preset's");

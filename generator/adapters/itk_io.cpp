@@ -253,6 +253,30 @@ LabelImage read_segmentation(const std::string& path) {
   return image;
 }
 
+/// The frame that a NRRD's vectors are measured in; the identity where the header has none.
+Mat3 measurement_frame(const itk::MetaDataDictionary& header) {
+  std::vector<std::vector<double>> columns;
+  Mat3 frame;
+  if (!itk::ExposeMetaData(header, "NRRD_measurement frame", columns) || columns.size() != 3) return frame;
+  for (std::size_t column = 0; column < 3; ++column)
+    for (std::size_t row = 0; row < 3 && columns[column].size() == 3; ++row)
+      frame[static_cast<int>(row)][static_cast<int>(column)] = columns[column][row];
+  return frame;
+}
+
+ComponentImage read_component_file(const std::string& path) {
+  const auto io = open_header(path);
+  check_dimensions(*io, path, false);
+  ComponentImage image{read_layers(io, path), measurement_frame(io->GetMetaDataDictionary())};
+  check_spacing(image.components.front().grid, path);
+  for (auto& component : image.components) {
+    for (const float value : component.voxels)
+      if (!std::isfinite(value)) throw UserError("contains NaN or infinite voxels", path, "repair the image");
+    component = with_canonical_axes(component);
+  }
+  return image;
+}
+
 template <class To>
 Volume<To> converted(const Volume<float>& in) {
   Volume<To> out(in.grid);
@@ -380,6 +404,16 @@ LabelImage read_label_image(const std::string& path) {
 }
 
 Volume<float> read_image(const std::string& path) { return read_any(path, true); }
+
+ComponentImage read_components(const std::string& path) {
+  if (!fs::exists(path)) throw UserError("does not exist", path, "check the path");
+  register_formats();
+  try {
+    return read_component_file(path);
+  } catch (const itk::ExceptionObject& error) {
+    throw unreadable(path, error);
+  }
+}
 
 void check_image_output(const std::string& path) {
   constexpr std::array endings{".nii", ".nii.gz", ".nrrd", ".mhd", ".mha"};

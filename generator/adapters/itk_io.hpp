@@ -38,6 +38,15 @@ LabelImage read_label_image(const std::string& path);
 /// Reads any scalar image as float, 2D images as one slice (for `heartgen filter`).
 Volume<float> read_image(const std::string& path);
 
+/// An image of vectors or tensors.
+struct ComponentImage {
+  std::vector<Volume<float>> components;  ///< one volume each, on one grid, in the file's order
+  Mat3 frame;  ///< of the components: frame * vector is along LPS (a NRRD's measurement frame)
+};
+
+/// Reads an image of any number of components per voxel. Errors as read_ct.
+ComponentImage read_components(const std::string& path);
+
 /// Commands call it before their long work. Throws UserError when write_volume knows no format for the ending, or
 /// nothing can be written there; changes nothing.
 void check_image_output(const std::string& path);

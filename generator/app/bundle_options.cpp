@@ -30,7 +30,10 @@ void add_build(Program& p) {
                   "labels from elsewhere: an image, or a folder with one mask per structure; what they lack is made "
                   "from the CT");
   sub->add_option("--preset", p.build.preset, "what their values and names mean: " + preset_names());
-  sub->add_option("--atlas", p.build.atlas, "fibre atlas (.vtk, .vtu, .exnode), instead of the recipe's");
+  sub->add_option(
+      "--atlas", p.build.atlas,
+      "fibre atlas (.vtk, .vtu, .exnode, an image of vectors or tensors, a folder of images), instead of the "
+      "recipe's");
   sub->add_option("--landmarks", p.build.landmarks, "seeds and valve planes (.json), instead of the recipe's");
   sub->add_option("-o,--output", p.build.output, "folder of the bundle")->required();
   sub->add_option("--keep-stages", p.build.keep_stages,

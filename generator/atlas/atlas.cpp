@@ -9,6 +9,7 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/exnode.hpp"
+#include "generator/atlas/voxel_atlas.hpp"
 #include "model/error.hpp"
 
 namespace heart::atlas {
@@ -76,8 +77,9 @@ std::vector<Vec3> point_axes(std::size_t points, const std::vector<Cell>& cells,
   return axes;
 }
 
-const std::vector<Vec3>* preferred(const std::map<std::string, std::vector<Vec3>>& arrays) {
-  const std::vector<Vec3>* first = nullptr;
+template <class T>
+const std::vector<T>* preferred(const std::map<std::string, std::vector<T>>& arrays) {
+  const std::vector<T>* first = nullptr;
   for (const auto& [name, array] : arrays) {
     if (array.empty()) continue;
     std::string start = name.substr(0, 3);
@@ -87,6 +89,20 @@ const std::vector<Vec3>* preferred(const std::map<std::string, std::vector<Vec3>
     if (!first) first = &array;
   }
   return first;
+}
+
+std::vector<Vec3> leading_axes(const std::vector<Mat3>& tensors) {
+  std::vector<Vec3> axes;
+  for (const Mat3& t : tensors) axes.push_back(leading_axis({{t[0].x, t[1].y, t[2].z, t[0].y, t[0].z, t[1].z}}));
+  return axes;
+}
+
+std::vector<Vec3> fibers_of(const adapters::UnstructuredData& data, const std::string& path) {
+  if (const auto* vectors = preferred(data.point_vectors)) return *vectors;
+  if (const auto* vectors = preferred(data.cell_vectors)) return *vectors;
+  if (const auto* tensors = preferred(data.point_tensors)) return leading_axes(*tensors);
+  if (const auto* tensors = preferred(data.cell_tensors)) return leading_axes(*tensors);
+  throw UserError("the atlas has no array of vectors or tensors", path, expected);
 }
 
 }  // namespace
@@ -109,11 +125,9 @@ FiberAtlas make_fiber_atlas(std::string name, std::vector<Vec3> points, std::vec
 
 FiberAtlas read_fiber_atlas(const std::string& path) {
   if (is_exnode_path(path)) return read_exnode_atlas(path);
+  if (is_image_path(path)) return read_voxel_atlas(path);
   auto data = adapters::read_unstructured(path);
-  const auto* vectors = preferred(data.point_vectors);
-  if (!vectors) vectors = preferred(data.cell_vectors);
-  if (!vectors) throw UserError("the atlas has no array of vectors", path, expected);
-  const std::vector<Vec3> fibers = *vectors;
+  const auto fibers = fibers_of(data, path);
   auto atlas = make_fiber_atlas(path, std::move(data.points), std::move(data.tets), fibers);
   atlas.name = std::filesystem::path(path).filename().string();
   return atlas;

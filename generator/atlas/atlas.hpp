@@ -9,11 +9,12 @@
 namespace heart::atlas {
 
 struct FiberAtlas {
-  std::vector<Vec3> points_mm;  ///< the file's own frame, any orientation, scaled to mm
-  std::vector<Cell> cells;      ///< positively oriented
-  std::vector<Vec3> fiber;      ///< per point, unit length; zero where the file has none
-  std::string name;             ///< file name without folder, or what the maker called it
-  double unit_in_mm = 1;        ///< one unit of the file: 1, 10, 1000 or 0.001 mm
+  std::vector<Vec3> points_mm;   ///< the file's own frame, any orientation, scaled to mm
+  std::vector<Cell> cells;       ///< positively oriented
+  std::vector<Vec3> fiber;       ///< per point, unit length; zero where the file has none
+  std::vector<Vec3> cell_fiber;  ///< per cell, of an atlas made of voxels, which know no more; else empty
+  std::string name;              ///< file name without folder, or what the maker called it
+  double unit_in_mm = 1;         ///< one unit of the file: 1, 10, 1000 or 0.001 mm
 };
 
 /// Atlas from tetrahedra with one vector per point, or per cell (`vectors` as long as `cells`; averaged onto the
@@ -22,9 +23,10 @@ struct FiberAtlas {
 FiberAtlas make_fiber_atlas(std::string name, std::vector<Vec3> points, std::vector<Cell> cells,
                             const std::vector<Vec3>& vectors);
 
-/// Reads .exnode and .exelem files (exnode.hpp), or a .vtk (legacy) or .vtu file with tetrahedra and at least one array
-/// of vectors; an array whose name starts with "fib" is preferred to others, point arrays to cell arrays. Throws
-/// UserError, naming file and remedy.
+/// Reads .exnode and .exelem files (exnode.hpp), images (voxel_atlas.hpp), or a .vtk (legacy) or .vtu file with
+/// tetrahedra and at least one array of vectors or of tensors, whose leading axes are the fibres. An array whose name
+/// starts with "fib" is preferred to others, point arrays to cell arrays, and vectors to tensors. Throws UserError,
+/// naming file and remedy.
 FiberAtlas read_fiber_atlas(const std::string& path);
 
 }  // namespace heart::atlas

@@ -46,17 +46,17 @@ Grid grid_around(const std::vector<Vec3>& points, double spacing_mm, double marg
 
 template <class Visit>
 void for_voxels_in_mesh(const Grid& grid, const FiberAtlas& atlas, Visit&& visit) {
-  for (const Cell& cell : atlas.cells) {
+  for (std::size_t c = 0; c < atlas.cells.size(); ++c) {
     std::array<Vec3, 4> p;
-    for (std::size_t n = 0; n < 4; ++n) p[n] = atlas.points_mm[static_cast<std::size_t>(cell[n])];
-    for_voxels_in_cell(grid, p, [&](std::int64_t v, const std::array<double, 4>& weights) { visit(v, weights, cell); });
+    for (std::size_t n = 0; n < 4; ++n) p[n] = atlas.points_mm[static_cast<std::size_t>(atlas.cells[c][n])];
+    for_voxels_in_cell(grid, p, [&](std::int64_t v, const std::array<double, 4>& weights) { visit(v, weights, c); });
   }
 }
 
 Mask occupancy(const FiberAtlas& atlas, const Grid& grid) {
   Mask mask(grid);
   for_voxels_in_mesh(grid, atlas,
-                     [&](std::int64_t v, const auto&, const Cell&) { mask.voxels[static_cast<std::size_t>(v)] = 1; });
+                     [&](std::int64_t v, const auto&, std::size_t) { mask.voxels[static_cast<std::size_t>(v)] = 1; });
   return mask;
 }
 
@@ -196,6 +196,7 @@ FiberAtlas upright(const FiberAtlas& atlas) {
   FiberAtlas result = atlas;
   for (Vec3& p : result.points_mm) p = rotation * p;
   for (Vec3& f : result.fiber) f = rotation * f;
+  for (Vec3& f : result.cell_fiber) f = rotation * f;
   return result;
 }
 
@@ -336,10 +337,13 @@ double mixing_reach_mm(const FiberAtlas& atlas) {
 
 Volume<Vec3> voxel_fibers(const FiberAtlas& atlas, const Grid& grid) {
   Volume<Vec3> fiber(grid);
-  for_voxels_in_mesh(grid, atlas, [&](std::int64_t v, const std::array<double, 4>& weights, const Cell& cell) {
+  for_voxels_in_mesh(grid, atlas, [&](std::int64_t v, const std::array<double, 4>& weights, std::size_t c) {
     AxisTensor sum;
-    for (std::size_t n = 0; n < 4; ++n)
-      sum += std::max(weights[n], 0.0) * axis_tensor(atlas.fiber[static_cast<std::size_t>(cell[n])]);
+    if (!atlas.cell_fiber.empty())
+      sum = axis_tensor(atlas.cell_fiber[c]);
+    else
+      for (std::size_t n = 0; n < 4; ++n)
+        sum += std::max(weights[n], 0.0) * axis_tensor(atlas.fiber[static_cast<std::size_t>(atlas.cells[c][n])]);
     fiber.voxels[static_cast<std::size_t>(v)] = leading_axis(sum);
   });
   return fiber;

@@ -73,6 +73,7 @@ FiberAtlas in_standard_pose(const FiberAtlas& atlas) {
   FiberAtlas result = atlas;
   for (Vec3& p : result.points_mm) p = scale * (rotation * (p - mass.center_mm));
   for (Vec3& f : result.fiber) f = rotation * f;
+  for (Vec3& f : result.cell_fiber) f = rotation * f;
   return result;
 }
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "generator/lattice/quality.hpp"
+#include "generator/lattice/shared_marks.hpp"
 #include "generator/lattice/stars.hpp"
 #include "generator/parallel/threads.hpp"
 
@@ -150,40 +152,76 @@ void shift_node(Complex& c, std::int32_t node, Vec3 way_mm, int tries, double le
 }
 
 void derive_touches(Complex& complex) {
-  for (auto& bits : complex.touches) bits = (bits & side_bits) | ((bits & hull_bit) != 0 ? bit_of(0) : 0);
-  for (std::size_t c = 0; c < complex.cells.size(); ++c) {
-    if (complex.cells[c][0] < 0) continue;
-    for (const auto n : complex.cells[c]) complex.touches[static_cast<std::size_t>(n)] |= bit_of(complex.label[c]);
-  }
+  auto& c = complex;
+  parallel::parallel_for(0, static_cast<std::int64_t>(c.touches.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      c.touches[n] = (c.touches[n] & side_bits) | ((c.touches[n] & hull_bit) != 0 ? bit_of(0) : 0);
+  });
+  parallel::parallel_for(0, static_cast<std::int64_t>(c.cells.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t)
+      if (c.cells[t][0] >= 0)
+        for (const auto n : c.cells[t]) set_bits(c.touches[static_cast<std::size_t>(n)], bit_of(c.label[t]));
+  });
 }
 
-void drop_unused(Complex& complex) {
-  std::vector<std::int32_t> id(complex.nodes_mm.size(), -1);
+namespace {
+
+// Moves what is kept of some arrays of one size to their beginning, in its order: threads inside blocks, then blocks.
+template <class IsKept, class... T>
+void keep(const IsKept& is_kept, std::vector<T>&... arrays) {
+  constexpr std::size_t block = 1 << 14;
+  const std::size_t size = std::min({arrays.size()...}), blocks = (size + block - 1) / block;
+  std::vector<std::size_t> count(blocks, 0);
+  parallel::parallel_for(0, static_cast<std::int64_t>(blocks), [&](std::int64_t begin, std::int64_t end) {
+    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
+      std::size_t next = b * block;
+      for (std::size_t i = b * block; i < std::min(size, (b + 1) * block); ++i) {
+        if (!is_kept(i)) continue;
+        ((arrays[next] = arrays[i]), ...);
+        ++next;
+      }
+      count[b] = next - b * block;
+    }
+  });
   std::size_t kept = 0;
-  for (std::size_t c = 0; c < complex.cells.size(); ++c) {
-    if (complex.cells[c][0] < 0 || complex.label[c] == 0) continue;
-    for (const auto n : complex.cells[c]) id[static_cast<std::size_t>(n)] = 0;
-    complex.cells[kept] = complex.cells[c];
-    complex.label[kept++] = complex.label[c];
+  for (std::size_t b = 0; b < blocks; kept += count[b++]) {
+    const auto from = static_cast<std::ptrdiff_t>(b * block), to = static_cast<std::ptrdiff_t>(kept);
+    if (from != to) (std::copy_n(arrays.begin() + from, count[b], arrays.begin() + to), ...);
   }
-  complex.cells.resize(kept);
-  complex.label.resize(kept);
+  (arrays.resize(kept), ...);
+}
+
+}  // namespace
+
+void drop_unused(Complex& complex) {
+  auto& c = complex;
+  std::vector<std::int32_t> id(c.nodes_mm.size(), -1);
+  const auto is_kept = [&](std::size_t t) {
+    const Cell& cell = c.cells[t];
+    if (cell[0] < 0 || c.label[t] == 0) return false;
+    for (const auto n : cell) set_to(id[static_cast<std::size_t>(n)], 0);
+    return true;
+  };
+  if (c.quality.size() == c.cells.size())
+    keep(is_kept, c.cells, c.label, c.quality);
+  else
+    keep(is_kept, c.cells, c.label);
   std::size_t next = 0;
   for (std::size_t n = 0; n < id.size(); ++n) {
     if (id[n] < 0) continue;
-    complex.nodes_mm[next] = complex.nodes_mm[n];
-    complex.touches[next] = complex.touches[n];
-    complex.spacing_mm[next] = complex.spacing_mm[n];
-    if (!complex.frozen.empty()) complex.frozen[next] = complex.frozen[n];
+    c.nodes_mm[next] = c.nodes_mm[n];
+    c.touches[next] = c.touches[n];
+    c.spacing_mm[next] = c.spacing_mm[n];
+    if (!c.frozen.empty()) c.frozen[next] = c.frozen[n];
     id[n] = static_cast<std::int32_t>(next++);
   }
-  complex.nodes_mm.resize(next);
-  complex.touches.resize(next);
-  complex.spacing_mm.resize(next);
-  if (!complex.frozen.empty()) complex.frozen.resize(next);
-  parallel::parallel_for(0, static_cast<std::int64_t>(complex.cells.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
-      for (auto& n : complex.cells[c]) n = id[static_cast<std::size_t>(n)];
+  c.nodes_mm.resize(next);
+  c.touches.resize(next);
+  c.spacing_mm.resize(next);
+  if (!c.frozen.empty()) c.frozen.resize(next);
+  parallel::parallel_for(0, static_cast<std::int64_t>(c.cells.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t)
+      for (auto& n : c.cells[t]) n = id[static_cast<std::size_t>(n)];
   });
 }
 

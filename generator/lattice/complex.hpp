@@ -74,7 +74,8 @@ void shift_node(Complex& complex, std::int32_t node, Vec3 way_mm, int tries, dou
 /// Sets `touches` from the labels of the cells; sides are kept, and `hull_bit` becomes a touch of the outside.
 void derive_touches(Complex& complex);
 
-/// Drops free slots, cells with `label` 0 and nodes without cells; keeps the order. Leaves the stars as they were.
+/// Drops free slots, cells with `label` 0 and nodes without cells; keeps the order, and the qualities where there is
+/// one for each cell. Leaves the stars as they were.
 void drop_unused(Complex& complex);
 
 /// drop_unused and connect.

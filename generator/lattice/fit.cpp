@@ -36,8 +36,8 @@ Face sorted(Face face) {
 }
 
 // The worst first.
-std::vector<Face> misfits(const Complex& c, const Materials& materials, const FitSettings& settings) {
-  const auto faces = surface_faces(c);
+std::vector<Face> misfits(const Complex& c, const Materials& materials, const FitSettings& settings,
+                          const std::vector<SurfaceFace>& faces) {
   std::vector<double> error(faces.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
@@ -204,14 +204,14 @@ struct Job {
   std::int64_t work = 0;  // cells repaired, of all tries together
 };
 
-// The outer faces of the whole that may lie around one of the places: most lie far from all of them.
-FacesByHeight outer_faces_near(const Complex& c, const std::vector<Job>& jobs) {
+// The outer ones of the whole's faces that may lie around one of the places: most lie far from all of them.
+FacesByHeight outer_faces_near(const Complex& c, const std::vector<SurfaceFace>& faces, const std::vector<Job>& jobs) {
   MarkedCubes cubes(box_around(c.nodes_mm));
   for (const auto& job : jobs) cubes.mark(box_around(job.place.part.nodes_mm));
-  const auto faces = outer_faces(c);
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& near) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
-      if (cubes.may_meet(box_of(c, faces[f]))) near.push_back(faces[f]);
+      if ((faces[f].labels & bit_of(0)) != 0 && cubes.may_meet(box_of(c, faces[f].nodes)))
+        near.push_back(faces[f].nodes);
   };
   return by_height(c, parallel::gather<Face>(0, static_cast<std::int64_t>(faces.size()), find));
 }
@@ -283,31 +283,65 @@ Face in_whole(const Place& place, Face face) {
   return sorted(face);
 }
 
-// Works on the places around the faces as long as there is work left; returns the worst faces of those where the aim is
-// missed.
-std::vector<Face> fit_places(Complex& complex, const Materials& materials, const RepairSettings& repairing,
-                             const FitSettings& settings, std::vector<Face> faces, int rings, std::int64_t& work_left) {
+/// A mesh that is being fitted.
+struct Fitting {
+  Complex* complex;
+  const Materials* materials;
+  const RepairSettings* repairing;
+  const FitSettings* settings;
+  std::vector<SurfaceFace> faces;     // of the mesh as it is
+  std::vector<std::int32_t> changed;  // nodes of places that were put back
+  std::int64_t work_left;
+};
+
+void put_back(Fitting& fitting, std::vector<Job>& jobs) {
+  std::vector<std::int32_t> changed;
+  for (auto& job : jobs) {
+    fitting.work_left -= job.work;
+    if (job.best.cells.empty()) continue;
+    put_back(*fitting.complex, job.place, job.best);
+    changed.insert(changed.end(), job.place.nodes.begin(), job.place.nodes.end());
+  }
+  renew_faces(fitting.faces, *fitting.complex, changed);
+  fitting.changed.insert(fitting.changed.end(), changed.begin(), changed.end());
+}
+
+// Works on the places around some faces as long as there is work left; returns the worst faces of those where the aim
+// is missed.
+std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, int rings) {
+  const auto& complex = *fitting.complex;
   std::vector<Face> missed;
-  while (!faces.empty() && work_left > 0) {
-    auto jobs = separate_places(complex, faces, rings, work_left);
+  while (!faces.empty() && fitting.work_left > 0) {
+    auto jobs = separate_places(complex, faces, rings, fitting.work_left);
     if (jobs.empty()) break;
-    const auto outer = outer_faces_near(complex, jobs);
+    const auto outer = outer_faces_near(complex, fitting.faces, jobs);
     std::vector<std::function<void()>> tasks;
     tasks.reserve(jobs.size());
     for (auto& job : jobs)
       tasks.emplace_back([&] {
         job.around = faces_around(complex, outer, job.place);
-        fit(job, materials, repairing, settings);
+        fit(job, *fitting.materials, *fitting.repairing, *fitting.settings);
       });
     parallel::run_tasks(tasks);
-    for (auto& job : jobs) {
-      work_left -= job.work;
-      if (!job.best.cells.empty()) put_back(complex, job.place, job.best);
+    put_back(fitting, jobs);
+    for (const auto& job : jobs)
       if (job.fitness.misery > 0) missed.push_back(in_whole(job.place, job.fitness.worst));
-    }
   }
   missed.insert(missed.end(), faces.begin(), faces.end());
   return missed;
+}
+
+// What is made of places can change faces beside them: those that have changed, and those that were misfits before.
+std::vector<SurfaceFace> suspects(Fitting& fitting, std::vector<Face> before) {
+  std::sort(before.begin(), before.end());
+  sort_unique(fitting.changed);
+  auto faces = fitting.faces;
+  std::erase_if(faces, [&](const SurfaceFace& face) {
+    return std::none_of(face.nodes.begin(), face.nodes.end(),
+                        [&](std::int32_t n) { return std::ranges::binary_search(fitting.changed, n); }) &&
+           !std::binary_search(before.begin(), before.end(), sorted(face.nodes));
+  });
+  return faces;
 }
 
 }  // namespace
@@ -317,16 +351,15 @@ std::int64_t fit_faces(Complex& complex, const Materials& materials, const Repai
   constexpr int rings = 3;  // of cells around a face; where they have no way out, one more may
   constexpr std::size_t usual_cells = 1'500'000;
   const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
-  auto work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(cells));
-  const auto fit_at = [&](std::vector<Face> faces, int size) {
-    return fit_places(complex, materials, repairing, settings, std::move(faces), size, work_left);
-  };
-  auto missed = fit_at(misfits(complex, materials, settings), rings);
-  missed = fit_at(std::move(missed), rings + 1);
+  Fitting fitting{&complex, &materials, &repairing, &settings, surface_faces(complex), {}, 0};
+  fitting.work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(cells));
+  const auto found = misfits(complex, materials, settings, fitting.faces);
+  auto missed = fit_places(fitting, found, rings);
+  missed = fit_places(fitting, std::move(missed), rings + 1);
   std::sort(missed.begin(), missed.end());
-  auto late = misfits(complex, materials, settings);  // what is made of places can change faces beside them
+  auto late = misfits(complex, materials, settings, suspects(fitting, found));
   std::erase_if(late, [&](const Face& face) { return std::binary_search(missed.begin(), missed.end(), face); });
-  const auto again = fit_at(std::move(late), rings);
+  const auto again = fit_places(fitting, std::move(late), rings);
   return static_cast<std::int64_t>(missed.size() + again.size());
 }
 

@@ -11,6 +11,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/near_leaves.hpp"
 #include "generator/lattice/quality.hpp"
+#include "generator/lattice/shared_marks.hpp"
 #include "generator/lattice/slabs.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
@@ -21,7 +22,9 @@ namespace {
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
 
-constexpr int halvings = 8;  // of an edge to find where it crosses: 1/256 of its length
+// Of an edge to find where it crosses: 1/256 of its length, or 1/32 where the place is projected onto the surface
+// anyway.
+constexpr int halvings = 8, halvings_to_snap = 5;
 
 double finest_edge(const Materials& m) {
   if (m.finest_edge_mm > 0) return m.finest_edge_mm;
@@ -43,32 +46,36 @@ double finest_edge(const Materials& m) {
   return *std::min_element(finest.begin(), finest.end());
 }
 
-// Labels of the nodes as `touches`. Cells all of whose nodes are outside are left out, but for those around the nodes
-// of the others: what the outside looks like around a node is seen only where all its cells are there.
+std::int64_t node_count(const Complex& c) { return static_cast<std::int64_t>(c.nodes_mm.size()); }
+std::int64_t cell_count(const Complex& c) { return static_cast<std::int64_t>(c.cells.size()); }
+
+// Labels of the nodes as `touches`. Cells all of whose nodes are outside are left out (label 0), but for those around
+// the nodes of the others: what the outside looks like around a node is seen only where all its cells are there.
 Complex label_lattice(Background background) {
   Complex c;
   c.nodes_mm = std::move(background.nodes_mm);
   c.spacing_mm = std::move(background.spacing_mm);
   c.touches = std::move(background.sides);
+  c.cells = std::move(background.cells);
+  c.label.resize(c.cells.size());  // 1: not yet known
   for (std::size_t n = 0; n < c.touches.size(); ++n)
     c.touches[n] |= bit_of(background.label[n]) | (background.lacks_cells[n] != 0 ? hull_bit : 0);
   std::vector<std::uint8_t> is_near(c.nodes_mm.size(), 0);
-  for (const auto& cell : background.cells)
+  const auto for_cells = [&](const auto& work) {
+    parallel::parallel_for(0, cell_count(c), [&](std::int64_t begin, std::int64_t end) {
+      for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) work(t, c.cells[t]);
+    });
+  };
+  for_cells([&](std::size_t, const Cell& cell) {
     if (std::any_of(cell.begin(), cell.end(), [&](std::int32_t n) { return (c.bits(n) & bit_of(0)) == 0; }))
-      for (const auto n : cell) is_near[static_cast<std::size_t>(n)] = 1;
-  std::size_t kept = 0;
-  for (const auto& cell : background.cells) {
-    if (std::any_of(cell.begin(), cell.end(),
-                    [&](std::int32_t n) { return is_near[static_cast<std::size_t>(n)] != 0; })) {
-      background.cells[kept++] = cell;
-      continue;
-    }
-    for (const auto n : cell) c.touches[static_cast<std::size_t>(n)] |= hull_bit;
-  }
-  background.cells.resize(kept);
-  c.cells = background.cells;  // as long as it is: it was given more room
-  std::vector<Cell>().swap(background.cells);
-  c.label.assign(c.cells.size(), 1);  // not yet known; 0 would be dropped
+      for (const auto n : cell) set_to(is_near[static_cast<std::size_t>(n)], std::uint8_t{1});
+  });
+  for_cells([&](std::size_t t, const Cell& cell) {
+    c.label[t] = std::any_of(cell.begin(), cell.end(),
+                             [&](std::int32_t n) { return is_near[static_cast<std::size_t>(n)] != 0; });
+    if (c.label[t] == 0)
+      for (const auto n : cell) set_bits(c.touches[static_cast<std::size_t>(n)], hull_bit);
+  });
   drop_unused(c);
   connect_stars(c);
   constexpr float least_quality = 0.65F;  // of the lattice's cells: angles in [45, 120] degrees, a little stretched
@@ -86,9 +93,6 @@ LabelBits common_labels(const Complex& c, const Cell& cell) {
   return labels_of(c, cell[0]) & labels_of(c, cell[1]) & labels_of(c, cell[2]) & labels_of(c, cell[3]);
 }
 
-std::int64_t node_count(const Complex& c) { return static_cast<std::int64_t>(c.nodes_mm.size()); }
-std::int64_t cell_count(const Complex& c) { return static_cast<std::int64_t>(c.cells.size()); }
-
 // Of each cell, what `property` says.
 template <class Property>
 std::vector<std::uint8_t> mark_cells(const Complex& c, const Property& property) {
@@ -100,20 +104,26 @@ std::vector<std::uint8_t> mark_cells(const Complex& c, const Property& property)
   return marks;
 }
 
+// To a list of the few nodes around another one.
+void add_once(std::vector<std::int32_t>& nodes, std::int32_t node) {
+  if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) nodes.push_back(node);
+}
+
 // The edges that cross, ascending.
 std::vector<Edge> crossing_edges(const Complex& c) {
   const auto is_crossed = mark_cells(c, [&](const Cell& cell) { return common_labels(c, cell) == 0; });
   return parallel::gather<Edge>(0, node_count(c), [&](std::int64_t begin, std::int64_t end, std::vector<Edge>& edges) {
+    std::vector<std::int32_t> others;
     for (auto n = begin; n < end; ++n) {
       const auto node = static_cast<std::int32_t>(n);
-      const auto first = static_cast<std::ptrdiff_t>(edges.size());
+      others.clear();
       for (const auto t : c.star(node)) {
         if (is_crossed[static_cast<std::size_t>(t)] == 0) continue;
         for (const auto other : c.cell(t))
-          if (other > node && crosses(c, node, other)) edges.emplace_back(node, other);
+          if (other > node && crosses(c, node, other)) add_once(others, other);
       }
-      std::sort(edges.begin() + first, edges.end());
-      edges.erase(std::unique(edges.begin() + first, edges.end()), edges.end());
+      std::sort(others.begin(), others.end());
+      for (const auto other : others) edges.emplace_back(node, other);
     }
   });
 }
@@ -139,12 +149,12 @@ struct Crossing {
   Vec3 point;            ///< there
 };
 
-Crossing find_crossing(const Materials& materials, const Complex& c, const Edge& edge) {
+Crossing find_crossing(const Materials& materials, const Complex& c, const Edge& edge, int steps) {
   const LabelBits own = labels_of(c, edge.first);
   const Vec3 start = c.at(edge.first), way = c.at(edge.second) - start;
   double low = 0, high = 1;
   LabelBits before = 0, after = 0;
-  for (int i = 0; i < halvings; ++i) {
+  for (int i = 0; i < steps; ++i) {
     const double middle = 0.5 * (low + high);
     const LabelBits label = bit_of(materials.label_at(start + middle * way));
     const bool inside = (label & own) != 0;
@@ -158,11 +168,12 @@ Crossing find_crossing(const Materials& materials, const Complex& c, const Edge&
   return {share, before | after, start + share * way};
 }
 
-std::vector<Crossing> find_crossings(const Materials& materials, const Complex& c, const std::vector<Edge>& edges) {
+std::vector<Crossing> find_crossings(const Materials& materials, const Complex& c, const std::vector<Edge>& edges,
+                                     int steps) {
   std::vector<Crossing> crossings(edges.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(edges.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e)
-      crossings[e] = find_crossing(materials, c, edges[e]);
+      crossings[e] = find_crossing(materials, c, edges[e], steps);
   });
   return crossings;
 }
@@ -267,7 +278,7 @@ std::vector<SurfaceSnap> surface_snaps(const Complex& c, const std::vector<Edge>
 
 void snap_to_surfaces(const Materials& materials, Complex& c, const StuffSettings& settings) {
   const auto edges = crossing_edges(c);
-  const auto crossings = find_crossings(materials, c, edges);
+  const auto crossings = find_crossings(materials, c, edges, halvings_to_snap);
   const auto snaps = surface_snaps(c, edges, crossings, settings.edge_reach);
   const auto snap_one = [&](std::size_t i) {
     const auto node = snaps[i].node;
@@ -307,7 +318,7 @@ struct Cut {
 };
 
 std::vector<Cut> cuts_of(const Materials& materials, const Complex& c, const std::vector<Edge>& edges) {
-  const auto crossings = find_crossings(materials, c, edges);
+  const auto crossings = find_crossings(materials, c, edges, halvings);
   std::vector<Cut> cuts;
   cuts.reserve(edges.size());
   for (std::size_t e = 0; e < edges.size(); ++e) cuts.push_back({edges[e], crossings[e]});
@@ -315,27 +326,25 @@ std::vector<Cut> cuts_of(const Materials& materials, const Complex& c, const std
 }
 
 // Edges from a node on a surface to one that has no label but one of its own, in the star of the first.
-void collect_edges_off_surface(const Complex& c, std::int32_t node, std::vector<Edge>& edges) {
-  edges.clear();
+void collect_edges_off_surface(const Complex& c, std::int32_t node, std::vector<std::int32_t>& others) {
+  others.clear();
   if (!is_on_feature(c, node)) return;
   for (const auto t : c.star(node))
     for (const auto other : c.cell(t))
-      if (!is_on_feature(c, other) && !crosses(c, node, other)) edges.emplace_back(node, other);
-  sort_unique(edges);
+      if (!is_on_feature(c, other) && !crosses(c, node, other)) add_once(others, other);
 }
 
 // Edges from a node to later ones of the same label, in cells with a node on a surface.
 void collect_edges_beside_surface(const Complex& c, const std::vector<std::uint8_t>& is_at_surface, std::int32_t node,
-                                  std::vector<Edge>& edges) {
-  edges.clear();
+                                  std::vector<std::int32_t>& others) {
+  others.clear();
   const LabelBits own = labels_of(c, node);
   if (is_on_feature(c, node)) return;
   for (const auto t : c.star(node)) {
     if (is_at_surface[static_cast<std::size_t>(t)] == 0) continue;
     for (const auto other : c.cell(t))
-      if (other > node && labels_of(c, other) == own) edges.emplace_back(node, other);
+      if (other > node && labels_of(c, other) == own) add_once(others, other);
   }
-  sort_unique(edges);
 }
 
 // Where an edge whose ends have a label in common leaves a sheet of another material that it goes through; no labels
@@ -370,10 +379,12 @@ std::vector<Cut> hidden_cuts(const Materials& materials, const Complex& c, std::
                              const Collect& collect) {
   return parallel::gather<Cut>(first_node, node_count(c),
                                [&](std::int64_t begin, std::int64_t end, std::vector<Cut>& cuts) {
-                                 std::vector<Edge> edges;
+                                 std::vector<std::int32_t> others;
                                  for (auto node = begin; node < end; ++node) {
-                                   collect(static_cast<std::int32_t>(node), edges);
-                                   for (const auto& edge : edges) {
+                                   collect(static_cast<std::int32_t>(node), others);
+                                   std::sort(others.begin(), others.end());
+                                   for (const auto other : others) {
+                                     const Edge edge{static_cast<std::int32_t>(node), other};
                                      const auto crossing = find_hidden_crossing(materials, c, edge);
                                      if (crossing.labels != 0) cuts.push_back({edge, crossing});
                                    }
@@ -441,14 +452,15 @@ void cut_edges(const Materials& materials, Complex& c) {
   const auto is_at_surface = mark_cells(c, [&](const Cell& cell) {
     return std::any_of(cell.begin(), cell.end(), [&](std::int32_t n) { return is_on_feature(c, n); });
   });
-  cut_hidden(0, [&](std::int32_t node, std::vector<Edge>& edges) {
-    collect_edges_beside_surface(c, is_at_surface, node, edges);
+  cut_hidden(0, [&](std::int32_t node, std::vector<std::int32_t>& others) {
+    collect_edges_beside_surface(c, is_at_surface, node, others);
   });
   std::int64_t first_node = 0;
   for (int round = 0; round < most_rounds; ++round) {  // after the first one, what is left of edges that were cut
     const auto next = node_count(c);
-    cut_hidden(first_node,
-               [&](std::int32_t node, std::vector<Edge>& edges) { collect_edges_off_surface(c, node, edges); });
+    cut_hidden(first_node, [&](std::int32_t node, std::vector<std::int32_t>& others) {
+      collect_edges_off_surface(c, node, others);
+    });
     if (node_count(c) == next) break;
     first_node = next;
   }

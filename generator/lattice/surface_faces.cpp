@@ -1,9 +1,12 @@
 #include "generator/lattice/surface_faces.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <iterator>
 
 #include "generator/lattice/feature.hpp"
 #include "generator/parallel/gather.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -30,6 +33,25 @@ std::vector<SurfaceFace> surface_faces(const Complex& complex) {
       if (complex.is_alive(static_cast<std::int32_t>(t))) add_faces_of(complex, static_cast<std::int32_t>(t), faces);
   };
   return parallel::gather<SurfaceFace>(0, static_cast<std::int64_t>(complex.cells.size()), find);
+}
+
+void renew_faces(std::vector<SurfaceFace>& faces, const Complex& complex, std::span<const std::int32_t> nodes) {
+  std::vector<std::uint8_t> is_changed(complex.nodes_mm.size(), 0);
+  std::vector<std::int32_t> cells;
+  for (const auto n : nodes) {
+    is_changed[static_cast<std::size_t>(n)] = 1;
+    const auto star = complex.star(n);
+    cells.insert(cells.end(), star.begin(), star.end());
+  }
+  sort_unique(cells);
+  const auto at_changed = [&](const SurfaceFace& face) {
+    return std::any_of(face.nodes.begin(), face.nodes.end(),
+                       [&](std::int32_t n) { return is_changed[static_cast<std::size_t>(n)] != 0; });
+  };
+  std::erase_if(faces, at_changed);
+  std::vector<SurfaceFace> found;
+  for (const auto t : cells) add_faces_of(complex, t, found);
+  std::copy_if(found.begin(), found.end(), std::back_inserter(faces), at_changed);
 }
 
 }  // namespace heart::lattice

@@ -1,5 +1,7 @@
 // The faces on which surfaces end up.
 #pragma once
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "generator/lattice/complex.hpp"
@@ -14,5 +16,9 @@ struct SurfaceFace {
 
 /// All of them but those in the sides of the box, in the order of the cells.
 std::vector<SurfaceFace> surface_faces(const Complex& complex);
+
+/// Makes such a list right again after the cells around some nodes have changed: faces at these nodes, new ones
+/// included, come last. No other cells may have changed.
+void renew_faces(std::vector<SurfaceFace>& faces, const Complex& complex, std::span<const std::int32_t> nodes);
 
 }  // namespace heart::lattice

@@ -16,14 +16,15 @@ struct HalfFace {
 // The faces with several labels at one of their nodes whose smallest node is `node`.
 void collect_half_faces(const Tetrahedra& t, std::int32_t node, std::vector<HalfFace>& halves) {
   halves.clear();
+  const auto is_mixed = [&](std::int32_t n) { return t.is_mixed[static_cast<std::size_t>(n)] != 0; };
   for (const auto c : t.stars.of(node)) {
     const Cell& cell = t.cell(c);
+    if (std::none_of(cell.begin(), cell.end(), is_mixed)) continue;
     for (std::size_t corner = 0; corner < 4; ++corner) {
       if (cell[corner] == node) continue;
       const auto& [i, j, k] = face_corners[corner];
       const auto least = std::min({cell[i], cell[j], cell[k]});
-      const auto mixed = [&](std::size_t at) { return t.is_mixed[static_cast<std::size_t>(cell[at])] != 0; };
-      if (least != node || (!mixed(i) && !mixed(j) && !mixed(k))) continue;
+      if (least != node || (!is_mixed(cell[i]) && !is_mixed(cell[j]) && !is_mixed(cell[k]))) continue;
       const auto most = std::max({cell[i], cell[j], cell[k]});
       halves.push_back({cell[i] ^ cell[j] ^ cell[k] ^ least ^ most, most, c, corner});
     }

@@ -94,7 +94,8 @@ struct Task {
 
 void separate(Attempt& made, const Task& task) {
   made.meeting = lattice::separate_sheets(made.complex, task.repairing.least);
-  lattice::compress(made.complex);
+  lattice::drop_unused(made.complex);
+  lattice::connect_stars(made.complex);
   made.worst = 1;
   for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));
   task.watch->note("separate");

@@ -4,9 +4,12 @@
 
 #include <random>
 
+#include "generator/lattice/contract.hpp"
 #include "generator/lattice/quality.hpp"
 #include "generator/lattice/ring.hpp"
 #include "generator/lattice/separate.hpp"
+#include "generator/lattice/surface_faces.hpp"
+#include "generator/parallel/threads.hpp"
 #include "lattice/shapes.hpp"
 
 namespace {
@@ -140,6 +143,76 @@ int points_in_both(const Complex& c) {
       for (double z = 0.7; z < 1.1; z += 0.01)
         count += is_inside(c, c.cells[0], {x, y, z}) && is_inside(c, c.cells[1], {x, y, z});
   return count;
+}
+
+// Balls of cells, enough for several threads.
+Complex stuffed_ball() {
+  auto c = lattice::stuff(
+      materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 9 - norm(p); }}, 11, 0.7), {});
+  lattice::derive_touches(c);
+  lattice::compress(c);
+  return c;
+}
+
+TEST(Complex, DroppingKeepsOrderPlacesAndQualities) {
+  auto c = stuffed_ball();
+  ASSERT_GT(c.cells.size(), 40'000U);
+  std::mt19937 random(3);
+  for (std::int32_t t = 0; t < static_cast<std::int32_t>(c.cells.size()); ++t)
+    if (const auto kind = random() % 4; kind == 0)
+      lattice::remove_cell(c, t);
+    else if (kind == 1)
+      c.label[static_cast<std::size_t>(t)] = 0;
+  std::vector<std::array<Vec3, 4>> places;
+  std::vector<float> qualities;
+  for (std::size_t t = 0; t < c.cells.size(); ++t) {
+    const Cell& cell = c.cells[t];
+    if (cell[0] < 0 || c.label[t] == 0) continue;
+    places.push_back({c.at(cell[0]), c.at(cell[1]), c.at(cell[2]), c.at(cell[3])});
+    qualities.push_back(c.quality[t]);
+  }
+  const int threads = parallel::thread_count();
+  for (const int count : {1, 2, 3}) {
+    parallel::set_thread_count(count);
+    auto dropped = c;
+    lattice::drop_unused(dropped);
+    ASSERT_EQ(dropped.cells.size(), places.size());
+    EXPECT_EQ(dropped.quality, qualities);
+    std::vector<std::uint8_t> is_used(dropped.nodes_mm.size(), 0);
+    for (std::size_t t = 0; t < places.size(); ++t)
+      for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(dropped.at(dropped.cells[t][i]), places[t][i]);
+        is_used[static_cast<std::size_t>(dropped.cells[t][i])] = 1;
+      }
+    EXPECT_EQ(std::count(is_used.begin(), is_used.end(), 0), 0);
+  }
+  parallel::set_thread_count(threads);
+}
+
+TEST(SurfaceFaces, RenewedOnesAreThoseOfANewSearch) {
+  auto c = stuffed_ball();
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 9 - norm(p); }}, 11, 0.7);
+  auto faces = lattice::surface_faces(c);
+  std::vector<std::int32_t> changed;
+  for (std::size_t f = 0; f < faces.size(); f += 500) {
+    const auto a = faces[f].nodes[0], b = faces[f].nodes[1];
+    const auto node = lattice::halve_edge(c, m, a, b);
+    if (node < 0) continue;
+    changed.push_back(node);
+    for (const auto t : c.star(node)) changed.insert(changed.end(), c.cell(t).begin(), c.cell(t).end());
+  }
+  ASSERT_GT(changed.size(), 50U);
+  lattice::renew_faces(faces, c, changed);
+  const auto sorted = [](const std::vector<lattice::SurfaceFace>& list) {
+    std::vector<std::pair<Face, LabelBits>> result;
+    for (auto face : list) {
+      std::sort(face.nodes.begin(), face.nodes.end());
+      result.emplace_back(face.nodes, face.labels);
+    }
+    std::sort(result.begin(), result.end());
+    return result;
+  };
+  EXPECT_EQ(sorted(faces), sorted(lattice::surface_faces(c)));
 }
 
 TEST(Separate, SheetsThatPassThroughEachOtherAreDrawnBack) {

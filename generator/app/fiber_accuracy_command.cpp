@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "datasets/phantom/phantom.hpp"
+#include "generator/app/fiber_cases.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/fibers/frame.hpp"
 #include "generator/fibers/hearts.hpp"
@@ -27,80 +26,14 @@ using Json = nlohmann::json;
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-struct Patient {
-  std::string name;
-  datasets::HeartModel model;
-  LabelVolume labels;
-  Landmarks landmarks;
-};
-
 Vec3 center_of(const Grid& grid, std::size_t v) { return atlas::voxel_center(grid, static_cast<std::int64_t>(v)); }
-
-/// region_at on a cube around the heart.
-LabelVolume exact_labels(const datasets::HeartModel& model, const Landmarks& marks, double spacing_mm) {
-  constexpr double half_mm = 95;
-  const Vec3 middle = 0.5 * (marks.seeds_mm.at("lv_blood") + marks.seeds_mm.at("rv_blood"));
-  Grid grid;
-  const auto count = static_cast<std::int64_t>(2 * half_mm / spacing_mm);
-  grid.size = {count, count, count};
-  grid.spacing_mm = {spacing_mm, spacing_mm, spacing_mm};
-  grid.origin_mm = middle - Vec3{half_mm, half_mm, half_mm};
-  LabelVolume labels(grid);
-  parallel::parallel_for(0, grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
-    for (auto v = static_cast<std::size_t>(begin); v < static_cast<std::size_t>(end); ++v)
-      labels.voxels[v] = tag(datasets::region_at(model, center_of(grid, v)));
-  });
-  return labels;
-}
-
-/// Ventricles alone, up to a plane `below_mm` under the mitral valve and tilted against the long axis: what other
-/// people's segmentations look like.
-void cut_labels(Patient& patient, double below_mm, double tilt_deg) {
-  const Vec3 up = datasets::long_axis(patient.model);
-  const Vec3 side = normalized(cross(up, Vec3{0, 0, 1}));
-  const double tilt = tilt_deg * std::numbers::pi / 180;
-  const Vec3 normal = std::cos(tilt) * up + std::sin(tilt) * side;
-  const Vec3 point = patient.landmarks.valves.at("mitral").center_mm - below_mm * up;
-  for (std::size_t v = 0; v < patient.labels.voxels.size(); ++v) {
-    auto& label = patient.labels.voxels[v];
-    const auto region = static_cast<Region>(label);
-    const bool ventricle = region == Region::lv_myocardium || region == Region::rv_myocardium ||
-                           region == Region::papillary || region == Region::lv_blood || region == Region::rv_blood;
-    if (!ventricle || dot(center_of(patient.labels.grid, v) - point, normal) > 0) label = 0;
-  }
-  patient.landmarks = {};
-}
-
-Patient make_patient(const std::string& name, double spacing_mm) {
-  constexpr double flat_cut_mm = 6;  // below the valves' plates
-  Patient patient;
-  patient.name = name;
-  int variant = 1;
-  datasets::HeartOverrides overrides;
-  if (name == "thick") {
-    overrides.lv_wall_mm = 14;
-  } else if (name == "dilated") {
-    overrides.lv_wall_mm = 7;
-  } else if (name != "cut" && name != "tilted") {
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), variant);
-    if (error != std::errc{} || end != name.data() + name.size())
-      throw UserError(fmt::format("\"{}\" is no phantom", name), "--cases",
-                      "give variants and the words thick, dilated, cut, tilted");
-  }
-  patient.model = datasets::make_heart_model(variant, overrides);
-  patient.landmarks = datasets::landmarks_of(patient.model);
-  patient.labels = exact_labels(patient.model, patient.landmarks, spacing_mm);
-  if (name == "cut") cut_labels(patient, 12, 0);
-  if (name == "tilted") cut_labels(patient, flat_cut_mm, 15);
-  return patient;
-}
 
 using datasets::HelixField;
 
 atlas::AtlasImage phantom_atlas(double spacing_mm, HelixField field) {
   const auto model = datasets::make_heart_model();
   const auto marks = datasets::landmarks_of(model);
-  const auto labels = exact_labels(model, marks, spacing_mm);
+  const auto labels = exact_labels(model, marks, {spacing_mm, spacing_mm, spacing_mm});
   return atlas::image_of_labels(
       labels, [&](const Vec3& p) { return datasets::fiber_at(model, p, field); }, marks, spacing_mm);
 }
@@ -159,8 +92,8 @@ struct KnownAxes {
   std::vector<std::size_t> source;  ///< voxel, node or cell
 };
 
-void add_known(const Patient& patient, HelixField field, const Vec3& point_mm, std::int32_t region, std::size_t source,
-               KnownAxes& known) {
+void add_known(const FiberCase& patient, HelixField field, const Vec3& point_mm, std::int32_t region,
+               std::size_t source, KnownAxes& known) {
   if (region != tag(Region::lv_myocardium) && region != tag(Region::rv_myocardium)) return;
   const Vec3 axis = datasets::fiber_at(patient.model, point_mm, field);
   if (norm(axis) < 0.5) return;
@@ -170,14 +103,14 @@ void add_known(const Patient& patient, HelixField field, const Vec3& point_mm, s
   known.source.push_back(source);
 }
 
-KnownAxes known_at_voxels(const Patient& patient, HelixField field) {
+KnownAxes known_at_voxels(const FiberCase& patient, HelixField field) {
   KnownAxes known;
   for (std::size_t v = 0; v < patient.labels.voxels.size(); ++v)
     add_known(patient, field, center_of(patient.labels.grid, v), patient.labels.voxels[v], v, known);
   return known;
 }
 
-KnownAxes known_at_cells(const Patient& patient, HelixField field, const TetMesh& mesh) {
+KnownAxes known_at_cells(const FiberCase& patient, HelixField field, const TetMesh& mesh) {
   KnownAxes known;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     Vec3 middle;
@@ -188,7 +121,7 @@ KnownAxes known_at_cells(const Patient& patient, HelixField field, const TetMesh
 }
 
 /// A node of both walls counts as the right ventricle's.
-KnownAxes known_at_nodes(const Patient& patient, HelixField field, const TetMesh& mesh) {
+KnownAxes known_at_nodes(const FiberCase& patient, HelixField field, const TetMesh& mesh) {
   std::vector<std::int32_t> region(mesh.nodes_mm.size());
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     for (const auto node : mesh.cells[c]) {
@@ -306,8 +239,8 @@ std::vector<atlas::AxisTensor> at_sources(const KnownAxes& known, const std::vec
 }
 
 /// Rows of one carried heart: at voxels, and at the nodes and cells of a mesh where there is one.
-void add_rows(const Patient& patient, HelixField field, const fibers::Hearts& hearts, const TetMesh& mesh, RowName name,
-              double prepared_s, const std::function<void(Json)>& add) {
+void add_rows(const FiberCase& patient, HelixField field, const fibers::Hearts& hearts, const TetMesh& mesh,
+              RowName name, double prepared_s, const std::function<void(Json)>& add) {
   const auto row = [&](const char* at, const KnownAxes& known, const std::vector<atlas::AxisTensor>& axes,
                        double seconds) {
     name.at = at;
@@ -336,7 +269,7 @@ void add_rows(const Patient& patient, HelixField field, const fibers::Hearts& he
 }
 
 /// The walls of the exact labels, meshed as a build would; says how many cells they have.
-TetMesh mesh_of(const Patient& patient, double edge_mm, bool say) {
+TetMesh mesh_of(const FiberCase& patient, double edge_mm, bool say) {
   if (edge_mm <= 0) return {};
   MeshSettings settings;
   settings.meshes = {"myocardium"};
@@ -349,8 +282,12 @@ TetMesh mesh_of(const Patient& patient, double edge_mm, bool say) {
 void check_command(const FiberAccuracyCommand& command) {
   check_methods(command.methods);
   check_frames(command);
-  if (!(command.spacing_mm >= 0.5 && command.spacing_mm <= 3))
-    throw UserError("the spacing of the labels is out of range", "--label-spacing", "give 0.5 to 3 mm");
+  const auto in_range = [](double mm) { return mm >= 0.5 && mm <= 3; };
+  if ((command.spacing_mm.size() != 1 && command.spacing_mm.size() != 3) ||
+      !std::all_of(command.spacing_mm.begin(), command.spacing_mm.end(), in_range))
+    throw UserError("the spacing of the labels is out of range", "--label-spacing", "give one or three of 0.5 to 3 mm");
+  if (command.depth_grid_mm != 0 && !in_range(command.depth_grid_mm))
+    throw UserError("the grid's spacing is out of range", "--depth-grid", "give 0.5 to 3 mm");
   if (command.mesh_edge_mm != 0 && !(command.mesh_edge_mm >= 0.5 && command.mesh_edge_mm <= 4))
     throw UserError("the edge length is out of range", "--mesh-edge", "give 0.5 to 4 mm, or 0 for no mesh");
 }
@@ -361,8 +298,11 @@ int fiber_accuracy_command(const FiberAccuracyCommand& command) {
   check_command(command);
   const auto fields = fields_of(command);
   FiberSettings settings;
-  settings.depth_grid_mm = command.spacing_mm;  // as the labels are: what resampling costs is not measured here
-  settings.grid_mm = std::max(settings.grid_mm, command.spacing_mm);
+  const Vec3 spacing_mm{command.spacing_mm.front(), command.spacing_mm[command.spacing_mm.size() / 2],
+                        command.spacing_mm.back()};
+  const double finest_mm = std::min({spacing_mm.x, spacing_mm.y, spacing_mm.z});
+  settings.depth_grid_mm = command.depth_grid_mm > 0 ? command.depth_grid_mm : finest_mm;
+  settings.grid_mm = std::max(settings.grid_mm, settings.depth_grid_mm);
   if (!command.json) fmt::print("{:46} LV mean    p95  cover  RV mean    p95  cover  seconds\n", "axis error, degrees");
   Json rows = Json::array();
   const auto add = [&](const Json& row) {
@@ -373,7 +313,7 @@ int fiber_accuracy_command(const FiberAccuracyCommand& command) {
     for (const auto& frame : command.atlas_frames) {
       const auto atlas = atlas_image(command.atlas, frame, settings.depth_grid_mm, fields[f]);
       for (const auto& name : command.cases) {
-        const Patient patient = make_patient(name, command.spacing_mm);
+        const FiberCase patient = make_fiber_case(name, spacing_mm);
         const TetMesh mesh = mesh_of(patient, command.mesh_edge_mm, !command.json);
         const double start_s = now_s();
         const auto hearts = fibers::prepare_hearts(patient.labels, patient.landmarks, atlas, command.atlas, settings);

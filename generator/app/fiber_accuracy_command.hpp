@@ -7,8 +7,8 @@ namespace heart::app {
 
 struct FiberAccuracyCommand {
   /// Phantoms: variants ("3"), "thick" and "dilated" (left wall 14 and 7 mm), "cut" (labels end 12 mm below the mitral
-  /// valve) and "tilted" (they end in a plane tilted by 15 degrees).
-  std::vector<std::string> cases{"1", "2", "3", "4", "thick", "dilated", "cut", "tilted"};
+  /// valve), "tilted" (they end in a plane tilted by 15 degrees) and "uneven" (surfaces moved by 0.4 mm at random).
+  std::vector<std::string> cases{"1", "2", "3", "4", "thick", "dilated", "cut", "tilted", "uneven"};
   std::string atlas = "phantom";  ///< "phantom" (variant 0 as an image), "stand-in", or a file
   std::vector<std::string> methods{"local_angles", "coordinates", "jacobian"};
   /// The phantom's helix angles: "uniform" (the same everywhere) and "regional" (changing around and along the heart).
@@ -16,8 +16,9 @@ struct FiberAccuracyCommand {
   /// Frames and units that the atlas's file could be in: "plain", "turned" (40 degrees), "scaled" (0.8), "axes" (in
   /// another order), "metres", "all" of these, and "mirrored" (which is refused). Only for atlases that are meshes.
   std::vector<std::string> atlas_frames{"plain"};
-  double spacing_mm = 1.2;  ///< of the exact labels
-  double mesh_edge_mm = 0;  ///< mesh the exact labels' walls with this edge and compare on nodes and cells too; 0: no
+  std::vector<double> spacing_mm{1.2};  ///< of the patients' labels: one number, or one per axis
+  double depth_grid_mm = 0;  ///< spacing to which labels are resampled, as by a build (1.2 there); 0: the labels'
+  double mesh_edge_mm = 0;   ///< mesh the exact labels' walls with this edge and compare on nodes and cells too; 0: no
   bool json = false;
 };
 

@@ -25,7 +25,9 @@ void add_fiber_accuracy(Program& p) {
   auto* sub = subcommand(p, "fiber-accuracy", "Carry an atlas to phantoms of known fibres and compare",
                          "heartgen fiber-accuracy --cases 1,2,thick --atlas stand-in",
                          on_root(p, [&p] { return fiber_accuracy_command(p.fiber_accuracy); }));
-  sub->add_option("--cases", f.cases, "variants, thick, dilated, cut, tilted (default 1-4 and all of these)")
+  sub->add_option("--cases", f.cases,
+                  "variants, thick, dilated, cut, tilted, uneven (surfaces moved by 0.4 mm rms at random, correlated "
+                  "over 5 mm; uneven3: of variant 3; default 1-4 and all of these)")
       ->delimiter(',');
   sub->add_option("--atlas", f.atlas, "phantom, stand-in, or a file (default phantom: variant 0)");
   sub->add_option("--methods", f.methods, "local_angles, coordinates, jacobian (default all)")->delimiter(',');
@@ -34,7 +36,10 @@ void add_fiber_accuracy(Program& p) {
          "--atlas-frames", f.atlas_frames,
          "plain, turned, scaled, axes, metres, all, mirrored: the atlas's file in other frames (default plain)")
       ->delimiter(',');
-  sub->add_option("--label-spacing", f.spacing_mm, "of the exact labels, mm (default 1.2)");
+  sub->add_option("--label-spacing", f.spacing_mm, "of the labels, mm: one number or X,Y,Z (default 1.2)")
+      ->delimiter(',');
+  sub->add_option("--depth-grid", f.depth_grid_mm,
+                  "mm to which labels are resampled; a build takes 1.2 (default: the labels' spacing, no resampling)");
   sub->add_option("--mesh-edge", f.mesh_edge_mm, "also at nodes and cells of a mesh with this edge, mm");
   sub->add_flag("--json", f.json, "print as JSON");
 }

@@ -16,6 +16,7 @@ constexpr double cell_mm = 1.2;
 constexpr double reach_mm = 8;              // of a fit: a few ridges wide
 constexpr std::size_t least_near = 12;      // samples that a fit needs
 constexpr std::size_t samples_per_fit = 3;  // fits change slowly from sample to sample
+constexpr double ridge_noises = 1.5;        // above its floor, in standard deviations of the samples, a ridge begins
 
 /// Value and gradient (per mm) of a level set at a continuous index, by differences of half a voxel.
 std::pair<double, Vec3> value_and_gradient(const LevelSet& surface, const Vec3& index) {
@@ -97,6 +98,48 @@ Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, con
   return {fit(0), Vec3{fit(1), fit(2), fit(3)} / reach_mm};
 }
 
+using Fits = std::vector<std::optional<Fit>>;
+
+/// Fits at every third sample that has enough of them around.
+Fits floor_fits(const std::vector<ThicknessSample>& samples, const PointTree& tree, double ridge_mm) {
+  Fits fits(samples.size());
+  const auto wanted = static_cast<std::int64_t>((fits.size() + samples_per_fit - 1) / samples_per_fit);
+  parallel::parallel_for(0, wanted, [&](std::int64_t begin, std::int64_t end) {
+    Near near;
+    for (std::int64_t fit = begin; fit < end; ++fit) {
+      const auto n = static_cast<std::size_t>(fit) * samples_per_fit;
+      const Vec3& p = samples[n].point_mm;
+      const std::array<double, 3> at{p.x, p.y, p.z};
+      tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
+      if (near.size() >= least_near) fits[n] = floor_fit(samples, near, p, ridge_mm);
+    }
+  });
+  return fits;
+}
+
+/// How uneven the samples are, mm: ridges only thicken a wall, so what lies below the floor is chance.
+std::optional<double> noise_below(const std::vector<ThicknessSample>& samples, const Fits& fits) {
+  constexpr double normal_median = 0.6744898;  // of the size of a standard normal variable
+  std::vector<double> below;
+  for (std::size_t n = 0; n < fits.size(); ++n)
+    if (fits[n] && samples[n].thickness_mm < fits[n]->value) below.push_back(fits[n]->value - samples[n].thickness_mm);
+  if (below.empty()) return std::nullopt;
+  const auto half = below.begin() + static_cast<std::ptrdiff_t>(below.size() / 2);
+  std::nth_element(below.begin(), half, below.end());
+  return *half / normal_median;
+}
+
+/// Where ridges begin, out of the samples themselves. Where nothing is uneven, as guessed.
+double measured_ridge(const std::vector<ThicknessSample>& samples, const PointTree& tree, double guess_mm) {
+  constexpr int rounds = 3;  // of guess and measure
+  double ridge_mm = guess_mm;
+  for (int round = 0; round < rounds; ++round) {
+    const auto noise_mm = noise_below(samples, floor_fits(samples, tree, ridge_mm));
+    ridge_mm = std::max(guess_mm, ridge_noises * noise_mm.value_or(0));
+  }
+  return ridge_mm;
+}
+
 }  // namespace
 
 double distance_along_gradient(const LevelSet& surface, const Vec3& point_mm) {
@@ -145,23 +188,12 @@ struct CompactWall::Index {
 };
 
 CompactWall::CompactWall(const std::vector<ThicknessSample>& samples, double ridge_mm) {
+  if (samples.empty()) return;
   PointCloud all;
   for (const auto& sample : samples) all.points.push_back(sample.point_mm);
-  std::vector<std::optional<Fit>> fits(samples.size());
-  if (!samples.empty()) {
-    const PointTree tree(3, all, tree_leaves);
-    const auto wanted = static_cast<std::int64_t>((fits.size() + samples_per_fit - 1) / samples_per_fit);
-    parallel::parallel_for(0, wanted, [&](std::int64_t begin, std::int64_t end) {
-      Near near;
-      for (std::int64_t fit = begin; fit < end; ++fit) {
-        const auto n = static_cast<std::size_t>(fit) * samples_per_fit;
-        const Vec3& p = all.points[n];
-        const std::array<double, 3> at{p.x, p.y, p.z};
-        tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
-        if (near.size() >= least_near) fits[n] = floor_fit(samples, near, p, ridge_mm);
-      }
-    });
-  }
+  const PointTree tree(3, all, tree_leaves);
+  if (std::isfinite(ridge_mm)) ridge_mm = measured_ridge(samples, tree, ridge_mm);
+  const Fits fits = floor_fits(samples, tree, ridge_mm);
   PointCloud points;
   std::vector<Fit> values;
   for (std::size_t n = 0; n < fits.size(); ++n) {

@@ -28,7 +28,9 @@ std::vector<ThicknessSample> endocardial_thickness(const LevelSet& cavity, const
 class CompactWall {
  public:
   /// At every third sample a linear fit over those within 8 mm. What is thicker than the fit by more than `ridge_mm` is
-  /// a ridge and hardly counts, so that the fit follows the floor between the ridges.
+  /// a ridge and hardly counts, so that the fit follows the floor between the ridges; where samples are more uneven
+  /// than that, ridges begin 1.5 of their standard deviations above it, measured on what lies below. Infinite: no
+  /// ridges.
   CompactWall(const std::vector<ThicknessSample>& samples, double ridge_mm);
   ~CompactWall();
   CompactWall(const CompactWall&) = delete;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "generator/atlas/compact_wall.hpp"
 #include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/even_surface.hpp"
 #include "generator/atlas/quadratic_continuation.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
@@ -16,10 +18,8 @@ namespace heart::atlas {
 namespace {
 
 constexpr int continued_layers = 5;
-constexpr double surface_smoothing = 2.2;        // standard deviation, in voxels of the labels: evens out their steps
-constexpr double most_surface_smoothing_mm = 3;  // beyond, the wall's own curvature would go
-constexpr double ridge_voxels = 0.085;  // of the labels: how far above the compact wall's floor a sample counts
-constexpr double no_ridge_mm = 1000;    // where labels show none, every sample counts alike
+constexpr double ridge_voxels = 0.085;  // of the labels: a first guess of how far above its floor a wall has ridges
+constexpr double no_ridge_mm = std::numeric_limits<double>::infinity();        // where labels show none
 constexpr double least_normal_smoothing_mm = 2, normal_smoothing_share = 0.4;  // of the wall's thickness
 constexpr double least_distance_mm = 0.02;
 constexpr double thick_wall_mm = 6;  // thinner ones have too few voxels across for a quadratic continuation
@@ -36,22 +36,6 @@ struct Between {
 };
 
 Part cavity_of(Part wall) { return wall == Part::lv_wall ? Part::lv_cavity : Part::rv_cavity; }
-
-Surfaces surfaces_of(const Ventricles& ventricles, Part wall) {
-  const auto& parts = ventricles.parts;
-  const double spacing_mm = parts.grid.spacing_mm.x;
-  const double label_mm = std::max(ventricles.label_spacing_mm, spacing_mm);
-  const double sigma_voxels = std::min(surface_smoothing * label_mm, most_surface_smoothing_mm) / spacing_mm;
-  Mask cavity = mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
-  for (std::size_t v = 0; v < ventricles.beyond.voxels.size(); ++v)
-    if (is(ventricles.beyond.voxels[v], cavity_of(wall))) cavity.voxels[v] = 1;
-  const auto in_left_hull = [](std::uint8_t v) {
-    return is(v, Part::lv_wall) || is(v, Part::lv_cavity) || is(v, Part::other);
-  };
-  const auto in_heart = [](std::uint8_t v) { return !is(v, Part::outside); };
-  const Mask hull = wall == Part::lv_wall ? mask_where(parts, in_left_hull) : mask_where(parts, in_heart);
-  return {signed_distance(cavity, sigma_voxels), signed_distance(hull, sigma_voxels)};
-}
 
 /// How far a wall is from where it ends, mm: from what lies beyond a valve, and for the right one from the left.
 struct WallEnds {
@@ -79,23 +63,46 @@ Mask labelled_wall(const Ventricles& ventricles, Part wall) {
   return mask;
 }
 
-/// Samples of the wall's thickness are taken clear of its ends, where its surfaces are its own.
-CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces& surfaces, const WallEnds& ends) {
+/// A wall's voxels clear of its ends, where its surfaces are its own.
+Mask clear_of_ends(Mask wall, const WallEnds& ends) {
   constexpr double clear_of_other_mm = 6, clear_of_left_mm = 5;
+  for (std::size_t v = 0; v < wall.voxels.size(); ++v) {
+    if (ends.to_other.voxels[v] <= clear_of_other_mm) wall.voxels[v] = 0;
+    if (!ends.to_left.voxels.empty() && ends.to_left.voxels[v] <= clear_of_left_mm) wall.voxels[v] = 0;
+  }
+  return wall;
+}
+
+/// How coarse the labels are, in voxels of the parts.
+double step_voxels(const Ventricles& ventricles) {
+  return std::max(ventricles.label_spacing_mm / ventricles.parts.grid.spacing_mm.x, 1.0);
+}
+
+Surfaces surfaces_of(const Ventricles& ventricles, Part wall, const WallEnds& ends) {
+  const auto& parts = ventricles.parts;
+  const Mask clear = clear_of_ends(mask_where(parts, [&](auto v) { return is(v, wall); }), ends);
+  Mask cavity = mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
+  for (std::size_t v = 0; v < ventricles.beyond.voxels.size(); ++v)
+    if (is(ventricles.beyond.voxels[v], cavity_of(wall))) cavity.voxels[v] = 1;
+  const auto in_left_hull = [](std::uint8_t v) {
+    return is(v, Part::lv_wall) || is(v, Part::lv_cavity) || is(v, Part::other);
+  };
+  const auto in_heart = [](std::uint8_t v) { return !is(v, Part::outside); };
+  const Mask hull = wall == Part::lv_wall ? mask_where(parts, in_left_hull) : mask_where(parts, in_heart);
+  return {even_surface(cavity, clear, step_voxels(ventricles)), even_surface(hull, clear, step_voxels(ventricles))};
+}
+
+CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces& surfaces, const WallEnds& ends) {
   constexpr double fine_smoothing = 1;  // in voxels of the labels; more would fill the floors between ridges
   const auto& parts = ventricles.parts;
   const Mask muscle = labelled_wall(ventricles, wall);
   Mask cavity = mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
-  Mask where = muscle;
-  for (std::size_t v = 0; v < where.voxels.size(); ++v) {
+  for (std::size_t v = 0; v < cavity.voxels.size(); ++v)
     if (muscle.voxels[v]) cavity.voxels[v] = 0;
-    if (ends.to_other.voxels[v] <= clear_of_other_mm) where.voxels[v] = 0;
-    if (wall == Part::rv_wall && ends.to_left.voxels[v] <= clear_of_left_mm) where.voxels[v] = 0;
-  }
-  const double spacing_mm = parts.grid.spacing_mm.x, label_mm = std::max(ventricles.label_spacing_mm, spacing_mm);
-  const auto fine = signed_distance(cavity, fine_smoothing * label_mm / spacing_mm);
+  const auto fine = signed_distance(cavity, fine_smoothing * step_voxels(ventricles));
+  const double label_mm = step_voxels(ventricles) * parts.grid.spacing_mm.x;
   const double ridge_mm = ventricles.trabeculae.voxels.empty() ? no_ridge_mm : ridge_voxels * label_mm;
-  return CompactWall(endocardial_thickness(fine, surfaces.epicardium, where), ridge_mm);
+  return CompactWall(endocardial_thickness(fine, surfaces.epicardium, clear_of_ends(muscle, ends)), ridge_mm);
 }
 
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
@@ -330,8 +337,8 @@ void continue_surfaces(const Grid& grid, const std::vector<Index3>& voxels, cons
 
 WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
   const auto& parts = ventricles.parts;
-  const Surfaces surfaces = surfaces_of(ventricles, wall);
   const WallEnds wall_end = wall_ends(ventricles, wall);
+  const Surfaces surfaces = surfaces_of(ventricles, wall, wall_end);
   const CompactWall compact = compact_wall(ventricles, wall, surfaces, wall_end);
   const auto voxels = voxels_of(parts, wall);
   std::vector<Between> at(voxels.size());

@@ -165,13 +165,18 @@ Volume<float> distance_to(const Mask& mask) {
 }
 
 Volume<float> smoothed(const Volume<float>& volume, double sigma_voxels) {
+  return smoothed(volume, Vec3{sigma_voxels, sigma_voxels, sigma_voxels});
+}
+
+Volume<float> smoothed(const Volume<float>& volume, const Vec3& sigma_voxels) {
   Volume<float> result = volume;
-  if (sigma_voxels <= 0) return result;
-  const auto weights = gaussian_weights(sigma_voxels);
-  for (int axis = 0; axis < 3; ++axis)
+  for (int axis = 0; axis < 3; ++axis) {
+    if (sigma_voxels[axis] <= 0) continue;
+    const auto weights = gaussian_weights(sigma_voxels[axis]);
     for_each_bundle(result, axis, [&](const std::vector<float>& in, std::vector<float>& out, std::int64_t length) {
       smooth_bundle(weights, in, out, length);
     });
+  }
   return result;
 }
 

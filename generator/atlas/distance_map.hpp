@@ -12,6 +12,8 @@ Volume<float> distance_to(const Mask& mask);
 
 /// Separable Gaussian, truncated at 4 sigma, border values continued.
 Volume<float> smoothed(const Volume<float>& volume, double sigma_voxels);
+/// The same with a sigma per axis.
+Volume<float> smoothed(const Volume<float>& volume, const Vec3& sigma_voxels);
 
 /// Signed distance in mm, negative in the mask, zero half-way between voxel centres; the steps of the voxels are
 /// smoothed by `sigma_voxels` without shrinking curved surfaces.

@@ -3,26 +3,62 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
+#include "generator/atlas/distance_map.hpp"
 #include "generator/parallel/threads.hpp"
-#include "model/corners.hpp"
+#include "model/crop.hpp"
 
 namespace heart::atlas {
 namespace {
 
-/// The label with the largest share of the eight voxels around a point, each weighted as in linear interpolation.
-std::uint8_t label_at(const LabelVolume& labels, const Vec3& lps_mm) {
-  std::array<std::uint8_t, 8> label{};
-  std::array<double, 8> share{};
-  std::size_t count = 0;
-  const Vec3 index = index_from_lps(labels.grid, lps_mm);
-  for_corners(index, [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
-    const auto value = labels.grid.contains(i, j, k) ? labels(i, j, k) : std::uint8_t{0};
-    const auto slot = static_cast<std::size_t>(std::find(label.begin(), label.begin() + count, value) - label.begin());
-    if (slot == count) label[count++] = value;
-    share[slot] += weight;
+// Of the labels: their steps vanish, and what is a voxel thin stays; but no farther than the floors between trabeculae.
+constexpr double smoothing_voxels = 0.7, most_smoothing_mm = 0.8;
+
+/// The voxels that interpolation on `grid` reads, and as many around them as smoothing reaches.
+Box box_around(const Grid& labels, const Grid& grid, std::int64_t margin) {
+  Box box{labels.size, {0, 0, 0}};
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 index;
+    for (int axis = 0; axis < 3; ++axis)
+      index[axis] = (corner >> axis) & 1 ? static_cast<double>(grid.size[static_cast<std::size_t>(axis)] - 1) : 0;
+    const Vec3 at = index_from_lps(labels, lps_from_index(grid, index));
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto n = static_cast<std::size_t>(axis);
+      const auto low = static_cast<std::int64_t>(std::floor(at[axis])) - margin;
+      box.begin[n] = std::clamp<std::int64_t>(std::min(box.begin[n], low), 0, labels.size[n]);
+      box.end[n] = std::clamp<std::int64_t>(std::max(box.end[n], low + 2 * margin + 2), 0, labels.size[n]);
+    }
+  }
+  return box;
+}
+
+std::vector<std::uint8_t> values_of(const LabelVolume& labels) {
+  std::array<bool, 256> found{};
+  for (const auto label : labels.voxels) found[label] = true;
+  std::vector<std::uint8_t> values;
+  for (std::size_t value = 0; value < found.size(); ++value)
+    if (found[value]) values.push_back(static_cast<std::uint8_t>(value));
+  return values;
+}
+
+/// Where `share` of a label is larger than what was there before, the label takes its place.
+void keep_larger(const Volume<float>& share, std::uint8_t label, Volume<float>& largest, LabelVolume& result) {
+  const Grid& grid = result.grid;
+  parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < grid.size[1]; ++j)
+        for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+          const Vec3 at = index_from_lps(
+              share.grid,
+              lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
+          if (!share.grid.contains(std::llround(at.x), std::llround(at.y), std::llround(at.z))) continue;
+          const auto value = static_cast<float>(sample_linear(share, at));
+          if (value <= largest(i, j, k)) continue;
+          largest(i, j, k) = value;
+          result(i, j, k) = label;
+        }
   });
-  return label[static_cast<std::size_t>(std::max_element(share.begin(), share.begin() + count) - share.begin())];
 }
 
 }  // namespace
@@ -59,14 +95,17 @@ Grid isotropic_grid_around(const LabelVolume& labels, const std::function<bool(s
 }
 
 LabelVolume resampled(const LabelVolume& labels, const Grid& grid) {
+  const std::int64_t margin = std::llround(std::ceil(4 * smoothing_voxels));
+  const LabelVolume near = crop(labels, box_around(labels.grid, grid, margin));
+  Vec3 sigma_voxels;
+  for (int axis = 0; axis < 3; ++axis)
+    sigma_voxels[axis] = std::min(smoothing_voxels, most_smoothing_mm / labels.grid.spacing_mm[axis]);
   LabelVolume result(grid);
-  parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t k = begin; k < end; ++k)
-      for (std::int64_t j = 0; j < grid.size[1]; ++j)
-        for (std::int64_t i = 0; i < grid.size[0]; ++i)
-          result(i, j, k) = label_at(
-              labels, lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
-  });
+  Volume<float> largest(grid), share(near.grid);
+  for (const auto value : values_of(near)) {
+    for (std::size_t v = 0; v < near.voxels.size(); ++v) share.voxels[v] = near.voxels[v] == value ? 1.0F : 0.0F;
+    keep_larger(smoothed(share, sigma_voxels), value, largest, result);
+  }
   return result;
 }
 

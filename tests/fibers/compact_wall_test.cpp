@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "datasets/phantom/shapes.hpp"
 #include "generator/atlas/openings.hpp"
 
 namespace heart {
@@ -98,6 +99,21 @@ TEST(CompactWall, FollowsAWallThatThins) {
     worst_gradient = std::max(worst_gradient, std::abs(dot(thickness->gradient, along) - expected));
   }
   EXPECT_LT(worst_gradient, 0.06);
+}
+
+TEST(CompactWall, FollowsTheMiddleOfUnevenSamples) {
+  constexpr double thickness_mm = 4, uneven_mm = 0.4;
+  std::vector<atlas::ThicknessSample> samples;
+  for (std::uint64_t n = 0; n < 8000; ++n) {
+    const double z = -1 + 2 * (static_cast<double>(n) + 0.5) / 8000, angle = 2.39996 * static_cast<double>(n);
+    const double across = std::sqrt(1 - z * z);
+    const Vec3 direction{across * std::cos(angle), across * std::sin(angle), z};
+    samples.push_back({middle_mm + 30 * direction, thickness_mm + uneven_mm * double{datasets::random_normal(3, n)}});
+  }
+  const atlas::CompactWall compact(samples, 0.1);
+  double mean_mm = 0;
+  for (const Vec3& direction : directions_around()) mean_mm += compact.at(middle_mm + 30 * direction)->mm / 40;
+  EXPECT_NEAR(mean_mm, thickness_mm, 0.2);  // the lower half alone lies 0.3 below
 }
 
 TEST(CompactWall, HasNoThicknessWithoutSamples) {

@@ -12,8 +12,9 @@
 namespace heart::atlas {
 namespace {
 
-// Of the labels: their steps vanish, and what is a voxel thin stays; but no farther than the floors between trabeculae.
-constexpr double smoothing_voxels = 0.7, most_smoothing_mm = 0.8;
+// Of the labels: their steps vanish, and what is a voxel thin stays. Labels clearly coarser than the grid do not beat
+// with it, and trabeculae would fill.
+constexpr double smoothing_voxels = 0.7, coarser = 1.3;
 
 /// The voxels that interpolation on `grid` reads, and as many around them as smoothing reaches.
 Box box_around(const Grid& labels, const Grid& grid, std::int64_t margin) {
@@ -99,7 +100,7 @@ LabelVolume resampled(const LabelVolume& labels, const Grid& grid) {
   const LabelVolume near = crop(labels, box_around(labels.grid, grid, margin));
   Vec3 sigma_voxels;
   for (int axis = 0; axis < 3; ++axis)
-    sigma_voxels[axis] = std::min(smoothing_voxels, most_smoothing_mm / labels.grid.spacing_mm[axis]);
+    sigma_voxels[axis] = labels.grid.spacing_mm[axis] > coarser * grid.spacing_mm.x ? 0 : smoothing_voxels;
   LabelVolume result(grid);
   Volume<float> largest(grid), share(near.grid);
   for (const auto value : values_of(near)) {

@@ -14,8 +14,9 @@ Grid isotropic_grid_around(const LabelVolume& labels, const std::function<bool(s
                            double spacing_mm, double margin_mm);
 
 /// The label with the largest share at each voxel centre of `grid`, by linear interpolation of shares that are smoothed
-/// over .7 voxels of the labels, at most .8 mm; 0 outside. Without smoothing the steps of the labels would beat with
-/// the grid: waves of half a voxel that are many voxels long, which no later smoothing takes away. Not collective.
+/// over .7 voxels of the labels, along axes on which these are not clearly coarser than the grid; 0 outside. Without
+/// smoothing the steps of the labels would beat with the grid: waves of half a voxel that are many voxels long, which
+/// no later smoothing takes away. Not collective.
 LabelVolume resampled(const LabelVolume& labels, const Grid& grid);
 
 }  // namespace heart::atlas

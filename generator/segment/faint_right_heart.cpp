@@ -148,15 +148,19 @@ Vec3 long_axis(const Grid& grid, const Landmarks& landmarks) {
 
 /// The right ventricle's papillary muscles and bands.
 void take_out_muscles(const Volume<float>& hu, const Mask& thin_walled, const FaintContrast& contrast,
-                      Volume<float>& blood) {
+                      const Landmarks& landmarks, Volume<float>& blood) {
   Volume<float> evidence(hu.grid);
   Mask ventricle(hu.grid);
+  MuscleAnchors anchors;
+  anchors.from_wall_mm = depth_of(mask_where(hu.grid, [&](std::size_t v) { return blood.voxels[v] > 0; }));
+  if (const auto valve = landmarks.valves.find("tricuspid"); valve != landmarks.valves.end())
+    anchors.orifice_mm = working_spacing_mm * index_from_lps(hu.grid, valve->second.center_mm);
   for (std::size_t v = 0; v < hu.voxels.size(); ++v) {
     ventricle.voxels[v] = thin_walled.voxels[v] == 0;
     if (ventricle.voxels[v] && blood.voxels[v] > 0)
       evidence.voxels[v] = static_cast<float>(-grey_evidence(hu.voxels[v], contrast));
   }
-  carve_bundles(find_muscle_bundles(evidence, information(contrast)), ventricle, blood);
+  carve_bundles(find_muscle_bundles(evidence, information(contrast), anchors), ventricle, blood);
 }
 
 }  // namespace
@@ -191,7 +195,7 @@ RightHeartBlood faint_right_heart(const CtVolume& ct, const Landmarks& landmarks
   found.blood = mask_where(ct.grid, [&](std::size_t v) {
     return cavity.voxels[v] > 0 && static_cast<double>(ct.voxels[v]) < 2 * left_threshold_hu;
   });
-  take_out_muscles(scene.hu, thin, contrast, blood);
+  take_out_muscles(scene.hu, thin, contrast, landmarks, blood);
   blood = resampled(blood, ct.grid);
   found.muscles = mask_where(ct.grid, [&](std::size_t v) { return found.blood.voxels[v] && blood.voxels[v] <= 0; });
   return found;

@@ -13,6 +13,7 @@ namespace heart::segment {
 namespace {
 
 constexpr double usual_chance_nats = 10;  // of mere noise: some ten thousand places, directions and sizes are tried
+constexpr double held_chance_nats = 9;    // a third of them are held as a muscle is
 constexpr double beyond_chance = 1.3;     // times that: one in twenty images of noise
 constexpr double most_of_muscle = 3;
 constexpr double most_evidence = 1;                    // nats per mm³ of a grey value (grey_evidence)
@@ -214,8 +215,23 @@ void clear(const MuscleBundle& bundle, Volume<float>& nats) {
   });
 }
 
-/// Those of at least `least` nats, the surest first; what is far more than muscle is none.
-std::vector<MuscleBundle> surest(const Evidence& evidence, double least) {
+/// Whether the anatomy of a ventricle allows the bundle, see MuscleAnchors.
+bool is_held(const MuscleBundle& bundle, const std::optional<MuscleAnchors>& anchors) {
+  constexpr double wall_mm = 2;      // by which contour and ends may be wrong
+  constexpr double points_to = 0.5;  // cosine, 60 degrees
+  if (!anchors) return true;
+  const auto on_wall = [&](const Vec3& end) {
+    const Volume<float>& from_wall = anchors->from_wall_mm;
+    return sample_linear(from_wall, (1 / from_wall.grid.spacing_mm.x) * end) <= bundle.radius_mm + wall_mm;
+  };
+  const bool from = on_wall(bundle.from_mm), to = on_wall(bundle.to_mm);
+  if (from == to || !anchors->orifice_mm) return from || to;
+  const Vec3 &foot = from ? bundle.from_mm : bundle.to_mm, &tip = from ? bundle.to_mm : bundle.from_mm;
+  return dot(normalized(tip - foot), normalized(*anchors->orifice_mm - tip)) > points_to;
+}
+
+/// Those of at least `least` nats, the surest first; what is far more than muscle, or not held as a muscle, is none.
+std::vector<MuscleBundle> surest(const Evidence& evidence, const std::optional<MuscleAnchors>& anchors, double least) {
   Evidence left = evidence;
   std::vector<MuscleBundle> guesses = first_guesses(evidence.nats), found;
   parallel::parallel_for(0, static_cast<std::int64_t>(guesses.size()), [&](std::int64_t begin, std::int64_t end) {
@@ -233,7 +249,7 @@ std::vector<MuscleBundle> surest(const Evidence& evidence, double least) {
     if (taken) *best = refine(left, bundle);
     if (taken && best->nats >= least && best->nats < bundle.nats) continue;
     guesses.erase(best);
-    if (taken || bundle.nats < least) continue;
+    if (taken || bundle.nats < least || !is_held(bundle, anchors)) continue;
     if (weight.nats <= most_of_muscle * evidence.muscle * weight.volume_mm3) found.push_back(bundle);
     clear(bundle, left.nats);
   }
@@ -250,10 +266,12 @@ Evidence mirrored(Evidence evidence) {
 
 }  // namespace
 
-std::vector<MuscleBundle> find_muscle_bundles(const Volume<float>& evidence, double muscle_evidence) {
+std::vector<MuscleBundle> find_muscle_bundles(const Volume<float>& evidence, double muscle_evidence,
+                                              const std::optional<MuscleAnchors>& anchors) {
   const Evidence seen{evidence, std::min(muscle_evidence, most_evidence)};
-  const auto chance = surest(mirrored(seen), usual_chance_nats);
-  return surest(seen, beyond_chance * (chance.empty() ? usual_chance_nats : chance.front().nats));
+  const double usual = anchors ? held_chance_nats : usual_chance_nats;
+  const auto chance = surest(mirrored(seen), anchors, usual);
+  return surest(seen, anchors, beyond_chance * (chance.empty() ? usual : chance.front().nats));
 }
 
 void carve_bundles(const std::vector<MuscleBundle>& bundles, const Mask& where, Volume<float>& blood) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "generator/segment/gaussian.hpp"
@@ -71,6 +72,24 @@ INSTANTIATE_TEST_SUITE_P(OfManyPoses, OneRod,
                          ::testing::Values(MuscleBundle{{12, 20, 10}, {17, 31, 36}, 4, 0},
                                            MuscleBundle{{8, 22, 24}, {38, 27, 21}, 3.5, 0},
                                            MuscleBundle{{14, 34, 30}, {32, 13, 25}, 4.5, 0}));
+
+/// The wall is a plane below the rod, which stands on it and points upwards.
+TEST(MuscleBundles, StandOnTheWallAndPointToTheOrifice) {
+  const MuscleBundle rod{{12, 20, 10}, {17, 31, 36}, 4, 0};
+  const Volume<float> evidence = evidence_of({rod}, 5);
+  const auto found = [&](double wall_mm, const std::optional<Vec3>& orifice_mm) {
+    MuscleAnchors anchors{Volume<float>(evidence.grid), orifice_mm};
+    for (std::size_t v = 0; v < evidence.voxels.size(); ++v)
+      anchors.from_wall_mm.voxels[v] = static_cast<float>(std::max(static_cast<double>(v / (48 * 48)) - wall_mm, 0.0));
+    return find_muscle_bundles(evidence, information, anchors);
+  };
+  const double under_foot_mm = 6, far_below_mm = -20;
+  ASSERT_FALSE(found(under_foot_mm, Vec3{20, 38, 70}).empty());
+  EXPECT_GT(dice(found(under_foot_mm, Vec3{20, 38, 70}), {rod}), 0.7);
+  EXPECT_GT(dice(found(under_foot_mm, std::nullopt), {rod}), 0.7);
+  EXPECT_TRUE(found(under_foot_mm, Vec3{9, 13, -20}).empty());
+  EXPECT_TRUE(found(far_below_mm, Vec3{20, 38, 70}).empty());
+}
 
 /// A thin rod, seen blurred: a share s of muscle's grey value has (2 s - 1) of its evidence. By the likelihood of the
 /// blurred rod every voxel speaks for it by s² of muscle's evidence.

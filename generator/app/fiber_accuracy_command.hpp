@@ -17,7 +17,7 @@ struct FiberAccuracyCommand {
   /// another order), "metres", "all" of these, and "mirrored" (which is refused). Only for atlases that are meshes.
   std::vector<std::string> atlas_frames{"plain"};
   std::vector<double> spacing_mm{1.2};  ///< of the patients' labels: one number, or one per axis
-  double depth_grid_mm = 0;  ///< spacing to which labels are resampled, as by a build (1 there); 0: the labels'
+  double depth_grid_mm = 0;  ///< spacing to which labels are resampled, as by a build (1 there); 0: the labels' finest
   double mesh_edge_mm = 0;   ///< mesh the exact labels' walls with this edge and compare on nodes and cells too; 0: no
   bool json = false;
 };

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 #include "generator/adapters/itk_io.hpp"

@@ -10,7 +10,7 @@
 namespace heart::benchmarks {
 
 struct Settings {
-  Index3 size{512, 512, 199};  ///< of the phantom that `segment` and `epicardium` work on
+  Index3 size{512, 512, 199};  ///< of the images that `ranks`, `segment` and `epicardium` work on
   Vec3 spacing_mm{0.5, 0.5, 1.2};
   int repeats = 7;     ///< of the short ones, of which the median counts
   int threads = 2;     ///< most threads that are used

@@ -86,7 +86,7 @@ Table bench_ranks(const Settings& settings, const Comm& comm) {
     return table;
   }
   parallel::set_thread_count(1);
-  const auto image = comm.is_root() ? test_image(grid_of({192, 192, 128})) : Volume<float>{};
+  const auto image = comm.is_root() ? test_image(grid_of(settings.size, settings.spacing_mm)) : Volume<float>{};
   const Slabs shared = make_slabs(image, comm);
   const Slabs whole = comm.is_root() ? make_slabs(image, parallel::self()) : Slabs{};
   for (const auto& stage : stages) {

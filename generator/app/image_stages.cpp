@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "generator/labels/exchanged.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/segment/body.hpp"
 #include "generator/segment/chambers.hpp"
@@ -19,12 +20,6 @@
 
 namespace heart::app {
 namespace {
-
-Volume<float> as_float(const CtVolume& ct) {
-  Volume<float> image(ct.grid);
-  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
-  return image;
-}
 
 std::vector<std::string> with(std::vector<std::string> keys, const std::string& key) {
   keys.push_back(key);
@@ -80,6 +75,13 @@ LabelVolume make_walls(Run& run, const CtVolume& ct, const LabelVolume& chambers
   return labels::with_given(std::move(own), given, labels::Group::walls);
 }
 
+/// What the search says of itself tells more than that a seed is missing.
+void refuse_missing_chambers(const Landmarks& all, const std::vector<std::string>& warnings) {
+  if (chambers_are_marked(all)) return;
+  throw UserError(fmt::format("not every chamber was found: {}", fmt::join(warnings, "; ")), "landmarks",
+                  "check the image's orientation and field of view, or give the seeds and valve planes by hand");
+}
+
 }  // namespace
 
 bool chambers_are_marked(const Landmarks& landmarks) {
@@ -96,6 +98,7 @@ Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmar
   all.seeds_mm.insert(found->landmarks.seeds_mm.begin(), found->landmarks.seeds_mm.end());
   all.valves.insert(found->landmarks.valves.begin(), found->landmarks.valves.end());
   if (!all.lv_apex_mm) all.lv_apex_mm = found->landmarks.lv_apex_mm;
+  parallel::run_on_root(run.comm, [&] { refuse_missing_chambers(all, found->warnings); });
   remarks.push_back(
       fmt::format("Seeds and valves were found automatically, with a confidence of {:.2f}.", found->confidence));
   for (const auto& warning : found->warnings) remarks.push_back("Automatic landmarks: " + warning);
@@ -114,6 +117,7 @@ KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe
   });
   known.missing = parallel::run_on_root(run.comm, [&] {
     auto missing = labels::missing_groups(known.given->labels, recipe.labels);
+    labels::refuse_exchanged_regions(known.given->labels, recipe.input.labels);
     if (has_ct) labels::refuse_labels_beside_heart(known.given->labels, *ct, recipe.input.labels);
     if (!has_ct) refuse_what_needs_a_ct(known.given->labels, missing, recipe.input.labels);
     remarks.insert(remarks.end(), known.given->remarks.begin(), known.given->remarks.end());
@@ -139,7 +143,7 @@ Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe&
   Staged<segment::SegmentationTree> tree;
   if ((make_chambers || make_body) && !from_file("segment"))
     smooth = run.stage("denoise", {ct.key, recipe_section(recipe, "denoise")},
-                       [&] { return segment::perona_malik(as_float(*ct), recipe.denoise, run.comm); });
+                       [&] { return segment::perona_malik(segment::as_float(*ct), recipe.denoise, run.comm); });
   if (make_chambers || make_body)
     tree = run.stage("segment", {smooth.key, recipe_section(recipe, "segmentation")},
                      [&] { return segment::segment(*smooth, recipe.segmentation, run.comm); });

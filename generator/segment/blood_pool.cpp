@@ -12,6 +12,7 @@
 #include "generator/segment/distance.hpp"
 #include "generator/segment/faint_right_heart.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "generator/segment/hounsfield.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
 #include "model/error.hpp"
@@ -29,12 +30,6 @@ constexpr double core_fraction = 0.3;       // of the weakest contrast: what cou
 constexpr double threshold_fraction = 0.5;  // the edge lies half-way between muscle and blood
 constexpr double grey_step_hu = 4;          // grey values travel with distances as one byte
 constexpr double leaflet_ml = 0.3;          // dark islands in blood up to this are leaflets, chordae or noise
-
-Volume<float> as_float(const CtVolume& ct) {
-  Volume<float> result(ct.grid);
-  for (std::size_t v = 0; v < ct.voxels.size(); ++v) result.voxels[v] = ct.voxels[v];
-  return result;
-}
 
 Mask above(const Volume<float>& image, double threshold) {
   Mask result(image.grid);

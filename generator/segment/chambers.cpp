@@ -11,6 +11,8 @@
 #include "generator/segment/components.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/flood.hpp"
+#include "generator/segment/gaussian.hpp"
+#include "generator/segment/hounsfield.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
 #include "generator/segment/vessel_ends.hpp"
@@ -140,16 +142,37 @@ void fill_mixing_clouds(LabelVolume& labels, const BloodPool& pool) {
   }
 }
 
-/// Muscle inside a ventricle's cavity: what a closing of its blood adds, without fat, air and thin seams. The right
-/// ventricle is closed half as far: its inflow and outflow are parted by muscle that is wall.
+/// Where muscle is wall, however narrow the notch of the cavity that it lies in: what a right ventricle's wall has at
+/// least (and a voxel) around fat and air, and the plate of the valves around atria and arteries.
+Mask never_papillary(const LabelVolume& labels, const CtVolume& ct, double muscle_hu) {
+  constexpr double usual_fat_hu = -100, least_wall_mm = 2, valve_plate_mm = 3, streak_ml = 5, smoothing_mm = 0.8;
+  const Volume<float> smooth = gaussian(as_float(ct), smoothing_mm);
+  Mask fat(labels.grid), others(labels.grid);
+  for (std::size_t v = 0; v < fat.voxels.size(); ++v) {
+    fat.voxels[v] = 2 * static_cast<double>(smooth.voxels[v]) < usual_fat_hu + muscle_hu;
+    const auto label = labels.voxels[v];
+    others.voxels[v] = label != 0 && label != tag(Region::lv_blood) && label != tag(Region::rv_blood);
+  }
+  const Vec3& spacing = labels.grid.spacing_mm;
+  const double voxel_mm = 1.01 * std::max({spacing.x, spacing.y, spacing.z});
+  const auto streak = static_cast<std::int64_t>(streak_ml * 1000 / labels.grid.voxel_volume_mm3());
+  fat = drop_small_components(fat, streak);  // streaks in the blood are dark too
+  return unite(dilate(fat, std::max(least_wall_mm, voxel_mm)), dilate(others, std::max(valve_plate_mm, voxel_mm)));
+}
+
+/// Muscle inside a ventricle's cavity: what a closing of its blood adds, without the free wall, fat, air, thin seams
+/// and what is nearer to an atrium or artery. The right ventricle is closed half as far: its inflow and outflow are
+/// parted by muscle that is wall.
 void add_papillary(LabelVolume& labels, const CtVolume& ct, const BloodPool& pool, const ChamberSettings& settings) {
   constexpr double seam_mm = 1.5, regrown_mm = 2;
+  const Mask wall = never_papillary(labels, ct, pool.muscle_hu);
   for (const Region ventricle : {Region::lv_blood, Region::rv_blood}) {
     const double radius_mm = settings.papillary_closing_mm * (ventricle == Region::lv_blood ? 1 : 0.5);
     const Mask closed = close(mask_of(labels, ventricle), radius_mm);
     Mask gap(labels.grid);
     for (std::size_t v = 0; v < gap.voxels.size(); ++v)
-      gap.voxels[v] = closed.voxels[v] && labels.voxels[v] == 0 && ct.voxels[v] > pool.muscle_hu - 100;
+      gap.voxels[v] =
+          closed.voxels[v] && labels.voxels[v] == 0 && !wall.voxels[v] && ct.voxels[v] > pool.muscle_hu - 100;
     const auto minimum =
         static_cast<std::int64_t>(settings.minimum_component_ml * 1000 / labels.grid.voxel_volume_mm3());
     Mask muscle = drop_small_components(open(gap, seam_mm), minimum);

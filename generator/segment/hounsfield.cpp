@@ -8,6 +8,12 @@
 
 namespace heart::segment {
 
+Volume<float> as_float(const CtVolume& ct) {
+  Volume<float> image(ct.grid);
+  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
+  return image;
+}
+
 void require_hounsfield(const CtVolume& ct) {
   constexpr int darker_than_water_hu = -30;  // fat begins here
   constexpr double least_share = 1e-3;

@@ -1,8 +1,11 @@
-// Whether grey values can be Hounsfield units at all: air -1000, fat -100, water 0.
+// A CT's grey values, and whether they can be Hounsfield units at all: air -1000, fat -100, water 0.
 #pragma once
 #include "model/volume.hpp"
 
 namespace heart::segment {
+
+/// The grey values as numbers to compute with.
+Volume<float> as_float(const CtVolume& ct);
 
 /// Throws UserError where hardly a voxel is darker than water, as in images stored with an offset (often 1024) whose
 /// rescale was lost, in MR images and in windowed pictures. A CT of a chest with contrast, however

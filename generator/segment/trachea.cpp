@@ -11,6 +11,7 @@
 #include "generator/segment/chan_vese.hpp"
 #include "generator/segment/components.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "generator/segment/hounsfield.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
 #include "model/crop.hpp"
@@ -116,12 +117,6 @@ std::optional<Index3> start_voxel(const CtVolume& ct, const Landmarks& landmarks
   if (seed == landmarks.seeds_mm.end()) return find_trachea(ct, slice_above_heart(ct, landmarks));
   const Mask air = mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < lumen_hu; });
   return seed_in_mask(ct, air, "trachea", seed->second, 3, "air");
-}
-
-Volume<float> as_float(const CtVolume& ct) {
-  Volume<float> image(ct.grid);
-  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
-  return image;
 }
 
 double median_of(const CtVolume& ct, const Mask& mask) {

@@ -8,6 +8,7 @@
 #include "generator/segment/box_around.hpp"
 #include "generator/segment/components.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "generator/segment/hounsfield.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
 #include "generator/segment/total_variation.hpp"
@@ -24,12 +25,6 @@ constexpr double same_vessel_mm = 4;   // grey values of the edge are averaged w
 
 std::string place(const Vec3& seed) {
   return fmt::format("carotid seed at ({:.1f}, {:.1f}, {:.1f}) mm", seed.x, seed.y, seed.z);
-}
-
-Volume<float> as_float(const CtVolume& angiogram) {
-  Volume<float> image(angiogram.grid);
-  std::copy(angiogram.voxels.begin(), angiogram.voxels.end(), image.voxels.begin());
-  return image;
 }
 
 Volume<float> smoothed(const Volume<float>& image, double lambda) {

@@ -1,5 +1,6 @@
 #include "generator/segment/wall_division.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "generator/parallel/threads.hpp"
@@ -21,6 +22,27 @@ struct Thickness {
   Volume<float> sum, weight;
 };
 
+/// Whether the shortest way from here to the left cavity stays in the wall: behind a notch of the right cavity the
+/// distance to the left one is no thickness.
+bool wall_all_the_way(const HeartBand& heart, const Mask& ventricles, const Mask& right, const Volume<float>& to_lv,
+                      const Index3& from) {
+  const Vec3& spacing = to_lv.grid.spacing_mm;
+  const double step_mm = std::min({spacing.x, spacing.y, spacing.z});
+  Vec3 place{static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2])};
+  Index3 at = from;
+  for (double left_mm = static_cast<double>(to_lv(at[0], at[1], at[2])); left_mm > step_mm; left_mm -= step_mm) {
+    const Vec3 out = normalized(gradient(to_lv, at));
+    for (int axis = 0; axis < 3; ++axis) {
+      place[axis] -= step_mm * out[axis] / spacing[axis];
+      at[static_cast<std::size_t>(axis)] = std::lround(place[axis]);
+    }
+    if (!to_lv.grid.contains(at[0], at[1], at[2]) || !ventricles(at[0], at[1], at[2])) return false;
+    if (right(at[0], at[1], at[2])) return false;
+    if (heart.chambers(at[0], at[1], at[2])) return true;  // the left cavity
+  }
+  return true;
+}
+
 /// Distance to the left cavity at the faces of the left wall: towards the outside, where it is the left ventricle's,
 /// and towards the right cavity, where that lies opposite the left one.
 Thickness measure_thickness(const HeartBand& heart, const Mask& ventricles, const Mask& right,
@@ -40,6 +62,7 @@ Thickness measure_thickness(const HeartBand& heart, const Mask& ventricles, cons
       Index3 next = at;
       next[static_cast<std::size_t>(face / 2)] += face % 2 ? 1 : -1;
       if (!grid.contains(next[0], next[1], next[2]) || !(is_outside(next) || faces_right(at, next))) continue;
+      if (!wall_all_the_way(heart, ventricles, right, to_lv, at)) return;
       const auto area = static_cast<float>(1 / grid.spacing_mm[face / 2]);  // of a voxel's volume
       const float middle = (to_lv(at[0], at[1], at[2]) + to_lv(next[0], next[1], next[2])) / 2;
       found.sum(at[0], at[1], at[2]) += area * middle;

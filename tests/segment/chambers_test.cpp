@@ -92,6 +92,25 @@ TEST(Chambers, PapillaryMusclesAreKeptOrClosed) {
   EXPECT_EQ(chambers_of(heart, settings)(at[0], at[1], at[2]), tag(Region::lv_blood));
 }
 
+TEST(Chambers, MuscleBesideTheFatOfANotchIsWallAndNotPapillary) {
+  ToyHeart heart = toy_heart();
+  Mask fat(heart.ct.grid);
+  for (std::int64_t v = 0; v < heart.ct.grid.voxel_count(); ++v) {
+    const auto [nx, ny, nz] = heart.ct.grid.size;
+    const Vec3 p = lps_from_index(heart.ct.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
+                                                  static_cast<double>(v / (nx * ny))});
+    if (norm(p - toy::rv) > 19 || p.x > -27 || std::abs(p.z + 10) > 5) continue;
+    fat.voxels[static_cast<std::size_t>(v)] = p.x < -30 && std::abs(p.z + 10) < 2;
+    heart.ct.voxels[static_cast<std::size_t>(v)] = fat.voxels[static_cast<std::size_t>(v)] ? -90 : 110;
+  }
+  const auto labels = chambers_of(heart);
+  const Mask beside_fat = dilate(fat, 2);
+  std::int64_t papillary = 0;
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+    papillary += beside_fat.voxels[v] && labels.voxels[v] == tag(Region::papillary);
+  EXPECT_EQ(papillary, 0);
+}
+
 TEST(Chambers, PoolsWithoutAValveBetweenThemNeverTouch) {
   ToyHeart heart = toy_heart();
   const auto [nx, ny, nz] = heart.ct.grid.size;

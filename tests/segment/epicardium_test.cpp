@@ -38,6 +38,26 @@ TEST(Epicardium, WallsAreFoundAndLeaveBloodAlone) {
     }
 }
 
+TEST(Epicardium, AFoldOfTheRightFreeWallIsNotTheLeftWall) {
+  const ToyHeart heart = toy_heart();
+  LabelVolume chambers = heart_blood(heart.truth);
+  const auto [nx, ny, nz] = chambers.grid.size;
+  const auto place = [&](std::size_t voxel) {
+    const auto v = static_cast<std::int64_t>(voxel);
+    return lps_from_index(chambers.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
+                                          static_cast<double>(v / (nx * ny))});
+  };
+  for (std::size_t v = 0; v < chambers.voxels.size(); ++v) {  // muscle that stands in the right cavity
+    const Vec3 p = place(v);
+    if (p.x > -31 && p.x < -26 && p.y > 0 && chambers.voxels[v] == tag(Region::rv_blood)) chambers.voxels[v] = 0;
+  }
+  const auto result = epicardium(heart.ct, chambers, {}, parallel::self());
+  std::int64_t left = 0;
+  for (std::size_t v = 0; v < chambers.voxels.size(); ++v)
+    left += result.walls.voxels[v] == tag(Region::lv_myocardium) && place(v).x < -20;
+  EXPECT_EQ(left, 0);
+}
+
 /// Signed distance (mm) from the middle of a face to the toy's outer surfaces, negative inside.
 double outside_distance(const Vec3& p) {
   return std::min(

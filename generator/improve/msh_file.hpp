@@ -1,4 +1,4 @@
-// Tetrahedral meshes in gmsh's .msh files: versions 2.2 and 4.1 as text. Physical names are kept.
+// Tetrahedral meshes in gmsh's .msh files: versions 2.2 and 4.1, text or binary. Physical names are kept.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -21,7 +21,7 @@ struct MshMesh {
   std::map<std::pair<int, std::int32_t>, std::string> names;  ///< (dimension, physical tag)
 };
 
-/// Throws UserError for another file, a binary one, other versions, inconsistent contents, and without tetrahedra.
+/// Throws UserError for another file, other versions, inconsistent contents, and without tetrahedra.
 /// Elements other than triangles and tetrahedra are left out, as is other data.
 MshMesh read_msh(const std::filesystem::path& path);
 

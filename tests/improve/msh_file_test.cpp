@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <initializer_list>
+
 #include "model/error.hpp"
 #include "model/text.hpp"
 #include "support/files.hpp"
@@ -40,6 +45,81 @@ TEST(Msh, BothVersionsAreRead) {
   }
 }
 
+/// Values as they lie in the memory of a machine of either byte order.
+struct Bytes {
+  bool is_swapped = false;
+  std::string text{};
+
+  template <class T>
+  Bytes& put(std::initializer_list<T> values) {
+    for (const T value : values) {
+      std::array<char, sizeof(T)> bytes;
+      std::memcpy(bytes.data(), &value, sizeof(T));
+      if (is_swapped) std::reverse(bytes.begin(), bytes.end());
+      text.append(bytes.data(), bytes.size());
+    }
+    return *this;
+  }
+  Bytes& ints(std::initializer_list<std::int32_t> values) { return put(values); }
+  Bytes& longs(std::initializer_list<std::int64_t> values) { return put(values); }
+  Bytes& reals(std::initializer_list<double> values) { return put(values); }
+  Bytes& say(const std::string& words) {
+    text += words;
+    return *this;
+  }
+};
+
+const std::string names = "$PhysicalNames\n2\n3 7 \"left wall\"\n2 9 \"skin\"\n$EndPhysicalNames\n";
+
+/// The mesh of version_2, its node 10 where the bytes of "$Elements\n" make a coordinate.
+std::string binary_version_2(bool is_swapped) {
+  Bytes file{is_swapped};
+  file.say("$MeshFormat\n2.2 1 8\n").ints({1}).say("\n$EndMeshFormat\n" + names + "$Nodes\n5\n");
+  file.ints({10}).say("$Element").say("s\n$Nodes").reals({0}).ints({20}).reals({1, 0, 0}).ints({30}).reals({0, 1, 0});
+  file.ints({40}).reals({0, 0, 1}).ints({50}).reals({1, 1, 1.5}).say("\n$EndNodes\n$Elements\n4\n");
+  file.ints({15, 1, 2, 1, 0, 1, 10}).ints({2, 1, 2, 2, 9, 1, 10, 20, 30});
+  file.ints({4, 2, 2, 3, 7, 1, 10, 20, 30, 40, 4, 8, 2, 20, 30, 40, 50});
+  return file.say("\n$EndElements\n").text;
+}
+
+std::string binary_version_4(bool is_swapped) {
+  Bytes file{is_swapped};
+  file.say("$MeshFormat\n4.1 1 8\n").ints({1}).say("\n$EndMeshFormat\n" + names + "$Entities\n").longs({1, 0, 1, 2});
+  file.ints({5}).reals({0, 0, 0}).longs({0});
+  file.ints({4}).reals({0, 0, 0, 1, 1, 1}).longs({1}).ints({9}).longs({0});
+  file.ints({1}).reals({0, 0, 0, 1, 1, 1}).longs({1}).ints({7}).longs({1}).ints({4});
+  file.ints({2}).reals({0, 0, 0, 1, 1, 1}).longs({0, 1}).ints({4}).say("\n$EndEntities\n$Nodes\n");
+  file.longs({2, 5, 10, 50}).ints({2, 4, 0}).longs({3, 10, 20, 30}).reals({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  file.ints({3, 1, 0}).longs({2, 40, 50}).reals({0, 0, 1, 1, 1, 1.5}).say("\n$EndNodes\n$Elements\n");
+  file.longs({4, 4, 1, 4}).ints({0, 5, 15}).longs({1, 9, 10}).ints({2, 4, 2}).longs({1, 1, 10, 20, 30});
+  file.ints({3, 1, 4}).longs({1, 2, 10, 20, 30, 40}).ints({3, 2, 4}).longs({1, 3, 20, 30, 40, 50});
+  return file.say("\n$EndElements\n$NodeData\n").text;
+}
+
+TEST(Msh, BinaryFilesAreReadInEitherByteOrder) {
+  for (const bool is_swapped : {false, true})
+    for (const auto& text : {binary_version_2(is_swapped), binary_version_4(is_swapped)}) {
+      const auto mesh = improve::read_msh(file_with("binary", text));
+      ASSERT_EQ(mesh.nodes.size(), 5U);
+      EXPECT_EQ(mesh.nodes[1], (Vec3{1, 0, 0}));
+      EXPECT_EQ(mesh.nodes[4], (Vec3{1, 1, 1.5}));
+      EXPECT_EQ(mesh.cells, (std::vector<Cell>{{0, 1, 2, 3}, {1, 2, 3, 4}}));
+      EXPECT_EQ(mesh.region[0], 7);
+      EXPECT_EQ(mesh.faces, (std::vector<Face>{{0, 1, 2}}));
+      EXPECT_EQ(mesh.surface, std::vector<std::int32_t>{9});
+      EXPECT_EQ(mesh.names.at({3, 7}), "left wall");
+      EXPECT_EQ(mesh.names.at({2, 9}), "skin");
+    }
+}
+
+TEST(Msh, BinaryFilesThatAreCutOffAreRefused) {
+  for (const auto& whole : {binary_version_2(false), binary_version_4(false)}) {
+    const auto end = whole.find("\n$EndElements");
+    for (std::size_t size = 0; size <= end; ++size)
+      EXPECT_THROW(improve::read_msh(file_with("cut", whole.substr(0, size))), UserError) << size << " of " << end;
+  }
+}
+
 TEST(Msh, WrittenFilesReadBackTheSame) {
   const auto mesh = improve::read_msh(file_with("first", version_2));
   const auto path = file_with("second", "");
@@ -64,6 +144,8 @@ TEST(Msh, BrokenFilesAreRefusedByName) {
       {"not a mesh\n", "$MeshFormat"},
       {with(version_2, "2.2 0 8", "2.2 1 8"), "binary"},
       {with(version_2, "2.2 0 8", "3.0 0 8"), "version 3.0"},
+      {with(binary_version_2(false), "2.2 1 8", "2.2 1 4"), "binary"},
+      {with(binary_version_4(false), "\n$EndNodes", "x\n$EndNodes"), "$Nodes"},
       {with(version_2, "10 20 30 40\n", "10 20 30 41\n"), "node 41"},
       {with(version_2, "50 1 1 1.5e0", "50 1 1 nan"), ""},
       {with(version_2, "20 1 0 0\n30", "10 1 0 0\n30"), "node 10"},

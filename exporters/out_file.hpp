@@ -12,17 +12,14 @@
 #include <span>
 
 #include "model/error.hpp"
-#include "model/text.hpp"
+#include "model/new_file.hpp"
 
 namespace heart::exporters {
 
 class OutFile {
  public:
   /// Makes the folder that the file is in. Throws UserError when it cannot.
-  explicit OutFile(std::filesystem::path path) : path_(std::move(path)) {
-    make_folder_of(path_);
-    stream_.open(path_, std::ios::binary);
-  }
+  explicit OutFile(const std::filesystem::path& path) : file_(path), stream_(file_.partial, std::ios::binary) {}
 
   /// `format` is an FMT_COMPILE("...") literal.
   template <class Format, class... Args>
@@ -58,8 +55,10 @@ class OutFile {
   std::filesystem::path close() {
     flush();
     stream_.close();
-    if (!stream_) throw UserError("cannot be written", path_.string(), "is there room, and the right to write there?");
-    return path_;
+    if (!stream_)
+      throw UserError("cannot be written", file_.path.string(), "is there room, and the right to write there?");
+    file_.finish();
+    return file_.path;
   }
 
  private:
@@ -68,7 +67,7 @@ class OutFile {
     stream_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
     buffer_.clear();
   }
-  std::filesystem::path path_;
+  NewFile file_;
   std::ofstream stream_;
   fmt::memory_buffer buffer_;
 };

@@ -33,9 +33,9 @@ class Handle {
 
 class H5File {
  public:
-  explicit H5File(const std::filesystem::path& path) : path_(path) {
+  explicit H5File(const std::filesystem::path& path) : whole_(path) {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are returned, not printed
-    file_ = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    file_ = H5Fcreate(whole_.partial.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
     require(file_ >= 0);
   }
   ~H5File() {
@@ -75,13 +75,15 @@ class H5File {
     const herr_t status = H5Fclose(file_);
     file_ = -1;
     require(status >= 0);
+    whole_.finish();
   }
 
  private:
   void require(bool done) const {
-    if (!done) throw UserError("cannot be written", path_.string(), "is there room, and the right to write there?");
+    if (!done)
+      throw UserError("cannot be written", whole_.path.string(), "is there room, and the right to write there?");
   }
-  std::filesystem::path path_;
+  NewFile whole_;
   hid_t file_ = -1;
 };
 

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "model/error.hpp"
+#include "model/new_file.hpp"
 
 namespace heart {
 namespace {
@@ -83,11 +84,12 @@ void make_folder_of(const std::filesystem::path& path) {
 }
 
 void write_text(const std::filesystem::path& path, std::string_view text) {
-  make_folder_of(path);
-  std::ofstream file(path, std::ios::binary);
+  NewFile whole(path);
+  std::ofstream file(whole.partial, std::ios::binary);
   file.write(text.data(), static_cast<std::streamsize>(text.size()));
   file.close();
   if (!file) throw UserError("cannot be written", path.string(), "is there room, and the right to write there?");
+  whole.finish();
 }
 
 }  // namespace heart

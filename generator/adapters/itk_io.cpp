@@ -24,6 +24,7 @@
 #include "generator/adapters/meta_image.hpp"
 #include "generator/adapters/nifti_io.hpp"
 #include "model/error.hpp"
+#include "model/new_file.hpp"
 #include "model/text.hpp"
 
 namespace heart::adapters {
@@ -290,18 +291,27 @@ Volume<To> converted(const Volume<float>& in) {
 
 /// The NIfTI library says nothing when a file cannot be made or the disk is full. A compressed file ends with the
 /// number of bytes in it, modulo 2^32.
-void check_written_nifti(const std::string& path, std::uintmax_t voxel_bytes) {
+bool is_whole_nifti(const std::string& path, std::uintmax_t voxel_bytes) {
   constexpr std::uintmax_t header_bytes = 352;
   std::error_code error;
   const auto on_disk = fs::file_size(path, error);
-  bool whole = !error && on_disk >= header_bytes + voxel_bytes;
-  if (!error && path.ends_with(".gz")) {
-    std::array<unsigned char, 4> last{};
-    std::ifstream file(path, std::ios::binary);
-    file.seekg(-4, std::ios::end).read(reinterpret_cast<char*>(last.data()), last.size());
-    std::uint32_t bytes = 0;
-    for (std::size_t b = 0; b < last.size(); ++b) bytes |= std::uint32_t{last[b]} << (8 * b);
-    whole = file && bytes == static_cast<std::uint32_t>(header_bytes + voxel_bytes);
+  if (error || !path.ends_with(".gz")) return !error && on_disk >= header_bytes + voxel_bytes;
+  std::array<unsigned char, 4> last{};
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(-4, std::ios::end).read(reinterpret_cast<char*>(last.data()), last.size());
+  std::uint32_t bytes = 0;
+  for (std::size_t b = 0; b < last.size(); ++b) bytes |= std::uint32_t{last[b]} << (8 * b);
+  return file && bytes == static_cast<std::uint32_t>(header_bytes + voxel_bytes);
+}
+
+/// `file` is what becomes `path`.
+void check_written(const std::string& file, const std::string& path, std::uintmax_t voxel_bytes) {
+  bool whole = true;
+  try {
+    if (is_nifti(file)) whole = is_whole_nifti(file, voxel_bytes);
+    if (is_meta_image(file)) check_meta_image(file, voxel_bytes, "");
+  } catch (const UserError&) {
+    whole = false;
   }
   if (!whole) throw UserError("cannot be written", path, "is there room on the disk, and the right to write there?");
 }
@@ -309,7 +319,9 @@ void check_written_nifti(const std::string& path, std::uintmax_t voxel_bytes) {
 template <class T>
 void write(const std::string& path, const Volume<T>& volume) {
   check_image_output(path);
-  make_folder_of(path);
+  NewFile whole(path);
+  // A .mhd names the file of its voxels, so that it cannot get another name.
+  const std::string file = path.ends_with(".mhd") ? path : whole.partial.string();
   register_formats();
   const auto image = Image<T>::New();
   typename Image<T>::SizeType size;
@@ -330,7 +342,7 @@ void write(const std::string& path, const Volume<T>& volume) {
   image->Allocate();
   std::copy(volume.voxels.begin(), volume.voxels.end(), image->GetBufferPointer());
   const auto writer = itk::ImageFileWriter<Image<T>>::New();
-  writer->SetFileName(path);
+  writer->SetFileName(file);
   writer->SetInput(image);
   writer->SetUseCompression(!path.ends_with(".nii"));
   try {
@@ -339,8 +351,8 @@ void write(const std::string& path, const Volume<T>& volume) {
     throw UserError(fmt::format("cannot be written: {}", one_line(error.GetDescription())), path,
                     "is there room on the disk, and the right to write there?");
   }
-  if (is_nifti(path)) check_written_nifti(path, volume.voxels.size() * sizeof(T));
-  if (is_meta_image(path)) check_meta_image(path, volume.voxels.size() * sizeof(T), "is there room on the disk?");
+  check_written(file, path, volume.voxels.size() * sizeof(T));
+  if (file != path) whole.finish();
 }
 
 }  // namespace

@@ -22,8 +22,8 @@
 #include <algorithm>
 
 #include "generator/adapters/vtk_guard.hpp"
+#include "model/new_file.hpp"
 #include "model/sort_unique.hpp"
-#include "model/text.hpp"
 
 namespace heart::adapters {
 namespace {
@@ -97,10 +97,10 @@ vtkSmartPointer<vtkPoints> borrow_points(const std::vector<Vec3>& points) {
 /// All settings that decide the bytes of an XML file are fixed here.
 template <class Writer>
 void write_xml(const std::filesystem::path& path, vtkDataObject* data) {
-  make_folder_of(path);
+  NewFile whole(path);
   run_guarded(path, "cannot write", [&] {
     vtkNew<Writer> writer;
-    writer->SetFileName(path.c_str());
+    writer->SetFileName(whole.partial.c_str());
     writer->SetInputData(data);
     writer->SetDataModeToAppended();
     writer->EncodeAppendedDataOff();
@@ -111,6 +111,7 @@ void write_xml(const std::filesystem::path& path, vtkDataObject* data) {
     writer->SetBlockSize(1 << 18);
     return writer->Write() == 1;
   });
+  whole.finish();
 }
 
 /// The faces of one surface (or all) on their own points.
@@ -261,16 +262,17 @@ void write_unstructured(const std::filesystem::path& path, const UnstructuredDat
     write_xml<vtkXMLUnstructuredGridWriter>(path, grid);
     return;
   }
-  make_folder_of(path);
+  NewFile whole(path);
   run_guarded(path, "cannot write", [&] {
     vtkNew<vtkUnstructuredGridWriter> writer;
-    writer->SetFileName(path.c_str());
+    writer->SetFileName(whole.partial.c_str());
     writer->SetInputData(grid);
     writer->SetFileVersion(vtkUnstructuredGridWriter::VTK_LEGACY_READER_VERSION_4_2);
     writer->SetHeader("heartgen");
     writer->SetFileTypeToBinary();
     return writer->Write() == 1;
   });
+  whole.finish();
 }
 
 std::string vtk_version() { return vtkVersion::GetVTKVersion(); }

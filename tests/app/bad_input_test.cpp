@@ -196,6 +196,22 @@ TEST_F(BadInput, OutputThatCannotBeIsRefusedFirst) {
   expect_message("inpaint photos file/out --labels ct.nii.gz", {"file/out", "cannot be written"});
 }
 
+TEST_F(BadInput, NeitherAFullDiskNorAKillTakesAnOlderFileAway) {
+  std::ofstream(folder / "old.nii") << "old";
+  std::ofstream(folder / "old.mha") << "old";
+  const auto filter = [&](const std::string& launcher, const std::string& name) {
+    return testing::heartgen("filter heat ct.nii.gz " + name, folder.string(), "ulimit -c 0; " + launcher);
+  };
+  for (const std::string name : {"old.nii", "old.mha"}) {
+    EXPECT_NE(filter("ulimit -f 1;", name).exit_code, 0);  // the system ends a program that writes more
+    const auto full = filter("trap '' XFSZ; ulimit -f 1;", name);
+    EXPECT_EQ(full.exit_code, 2) << full.errors;
+    EXPECT_NE(full.errors.find(name + ": cannot be written"), std::string::npos) << full.errors;
+    EXPECT_EQ(testing::text_of(folder / name), "old");
+    EXPECT_FALSE(fs::exists(folder / (".partial." + name)));
+  }
+}
+
 TEST_F(BadInput, WhatIsRefusedLeavesNoFolder) {
   for (const char* command :
        {"report none new/report.html", "mesh none.nii.gz new/mesh.vtu", "landmarks none.nii.gz --output new/seeds.json",

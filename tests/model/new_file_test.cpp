@@ -1,0 +1,58 @@
+#include "model/new_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "model/text.hpp"
+#include "support/data.hpp"
+#include "support/files.hpp"
+
+namespace heart {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::bytes_of;
+using testing::error_of;
+
+std::ptrdiff_t entries_in(const fs::path& folder) {
+  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+TEST(NewFile, TakesItsPlaceWhenItIsFinished) {
+  const auto folder = testing::scratch_folder("new_file");
+  testing::write_bytes(folder / "out.nii.gz", "old");
+  NewFile file(folder / "out.nii.gz");
+  EXPECT_TRUE(file.partial.string().ends_with(".nii.gz")) << file.partial;
+  std::ofstream(file.partial) << "new";
+  EXPECT_EQ(bytes_of(folder / "out.nii.gz"), "old");
+  file.finish();
+  EXPECT_EQ(bytes_of(folder / "out.nii.gz"), "new");
+  EXPECT_EQ(entries_in(folder), 1);
+}
+
+TEST(NewFile, ThatIsNotFinishedLeavesWhatWasThere) {
+  const auto folder = testing::scratch_folder("new_file_unfinished");
+  testing::write_bytes(folder / "out.json", "old");
+  std::ofstream(NewFile(folder / "out.json").partial) << "half";
+  std::ofstream(NewFile(folder / "deep" / "other.json").partial) << "half";
+  EXPECT_EQ(bytes_of(folder / "out.json"), "old");
+  EXPECT_EQ(entries_in(folder), 2);
+  EXPECT_TRUE(fs::is_empty(folder / "deep"));
+}
+
+TEST(NewFile, WritesThroughLinksAndIntoDevices) {
+  const auto folder = testing::scratch_folder("new_file_link");
+  testing::write_bytes(folder / "out.json", "old");
+  fs::create_symlink("out.json", folder / "link.json");
+  write_text(folder / "link.json", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link.json"));
+  EXPECT_EQ(bytes_of(folder / "out.json"), "new");
+  write_text("/dev/null", "nothing");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_NE(error_of([] { write_text("/dev/full", "too much"); }).find("is there room"), std::string::npos);
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+}  // namespace
+}  // namespace heart

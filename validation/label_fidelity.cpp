@@ -20,6 +20,7 @@ constexpr std::size_t most_samples = 200'000;
 constexpr double reach_edges = 3;    // farther is "not there"
 constexpr double far_edges = 0.5;    // from there on it is asked why
 constexpr double march_edges = 0.1;  // thinner layers may be stepped over
+constexpr double crumb_edges = 0.1;  // what is nearer to a surface than that is on it, be there a crumb or not
 constexpr int halvings = 10;
 constexpr double crumb_cells = 100;  // pieces of less than so many mean cells of their region are crumbs
 constexpr double surely_kept = 2;    // crumbs
@@ -76,38 +77,36 @@ std::vector<std::size_t> evenly(std::size_t total) {
   return places;
 }
 
-/// The normal first; where that leads far (at the rims of surfaces), the other directions too.
-double distance_to_boundary(const LabelAt& label_at, std::int32_t region, const Vec3& start, const Vec3& normal,
-                            double edge_mm) {
-  constexpr double enough_edges = 0.25;
-  const bool inside = label_at(start) == region;
-  const double step = march_edges * edge_mm;
-  double nearest = reach_edges * edge_mm;
-  const auto look = [&](const Vec3& way) {
-    nearest = std::min(nearest, distance_to_change(label_at, region, inside, start, way, step, nearest));
-  };
-  look(normal);
-  look(-normal);
-  for (int way = 0; way < 27 && nearest > enough_edges * edge_mm; ++way)
-    if (way != 13) look(normalized({way % 3 - 1.0, way / 3 % 3 - 1.0, way / 9 - 1.0}));
-  return nearest;
+/// Directions from the middle of a cube to places all over its surface, at most 24 degrees from any other.
+std::vector<Vec3> many_ways() {
+  constexpr int half = 2, width = 2 * half + 1;
+  std::vector<Vec3> ways;
+  for (int i = 0; i < width * width * width; ++i) {
+    const std::array at{i % width - half, i / width % width - half, i / (width * width) - half};
+    if (std::max({std::abs(at[0]), std::abs(at[1]), std::abs(at[2])}) == half)
+      ways.push_back(normalized({static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])}));
+  }
+  return ways;
 }
 
-/// From the middle and one corner of each face: the corners of all faces together are all nodes.
-std::vector<Sample> distances_to_labels(const TetMesh& mesh, const std::vector<BoundaryFace>& faces,
-                                        const LabelAt& label_at) {
-  const auto places = evenly(2 * faces.size());
-  std::vector<Sample> samples(places.size());
-  parallel::parallel_for(0, static_cast<std::int64_t>(places.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto s = static_cast<std::size_t>(begin); s < static_cast<std::size_t>(end); ++s) {
-      const auto& face = faces[places[s] / 2];
-      const auto at = [&](std::size_t i) { return mesh.nodes_mm[static_cast<std::size_t>(face.nodes[i])]; };
-      const Vec3 start = places[s] % 2 == 0 ? (at(0) + at(1) + at(2)) / 3 : at(places[s] / 2 % 3);
-      samples[s] = {face.region, distance_to_boundary(label_at, face.region[0], start, face.normal, face.edge_mm),
-                    face.edge_mm};
-    }
-  });
-  return samples;
+/// The normal first. It is the way to the surface where that is flat: at rims, and where three regions meet, a place on
+/// the surface itself can be far from it along the normals of its faces. So what is not near that way is looked at all
+/// around, in smaller steps: regions that meet sharply are thin there.
+double distance_to_boundary(const LabelAt& label_at, std::int32_t region, const Vec3& start, const Vec3& normal,
+                            double edge_mm) {
+  constexpr double enough_edges = 0.05;
+  static const auto ways = many_ways();
+  const bool inside = label_at(start) == region;
+  double nearest = reach_edges * edge_mm;
+  const auto look = [&](const Vec3& way, double step_edges) {
+    const double found = distance_to_change(label_at, region, inside, start, way, step_edges * edge_mm, nearest);
+    nearest = std::min(nearest, found);
+  };
+  look(normal, march_edges);
+  look(-normal, march_edges);
+  if (nearest > enough_edges * edge_mm)
+    for (const auto& way : ways) look(way, march_edges / 4);
+  return nearest;
 }
 
 /// Neighbouring voxels with different labels: the first one's offset and the axis along which the other follows.
@@ -172,6 +171,42 @@ std::vector<std::uint8_t> crumbs_of(const Grid& grid, const std::vector<std::uin
   return crumb;
 }
 
+/// Voxels of pieces of the label map that the mesher may drop.
+struct Crumbs {
+  Grid grid;
+  std::vector<std::uint8_t> is_crumb;
+  bool contains(const Index3& at) const {
+    return grid.contains(at[0], at[1], at[2]) &&
+           is_crumb[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))] != 0;
+  }
+  /// Whether one of the voxels around a place is one of them.
+  bool are_at(const Vec3& lps_mm) const {
+    const Vec3 index = index_from_lps(grid, lps_mm);
+    const auto low = [&](int axis) { return static_cast<std::int64_t>(std::floor(index[axis])); };
+    for (std::int64_t corner = 0; corner < 8; ++corner)
+      if (contains({low(0) + (corner & 1), low(1) + (corner >> 1 & 1), low(2) + (corner >> 2)})) return true;
+    return false;
+  }
+};
+
+/// From the middle and one corner of each face: the corners of all faces together are all nodes.
+std::vector<Sample> distances_to_labels(const TetMesh& mesh, const std::vector<BoundaryFace>& faces,
+                                        const LabelAt& label_at, const Crumbs& crumbs) {
+  const auto places = evenly(2 * faces.size());
+  std::vector<Sample> samples(places.size(), {{0, 0}, 0, 1});
+  parallel::parallel_for(0, static_cast<std::int64_t>(places.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto s = static_cast<std::size_t>(begin); s < static_cast<std::size_t>(end); ++s) {
+      const auto& face = faces[places[s] / 2];
+      const auto at = [&](std::size_t i) { return mesh.nodes_mm[static_cast<std::size_t>(face.nodes[i])]; };
+      const Vec3 start = places[s] % 2 == 0 ? (at(0) + at(1) + at(2)) / 3 : at(places[s] / 2 % 3);
+      const double distance = distance_to_boundary(label_at, face.region[0], start, face.normal, face.edge_mm);
+      if (distance > crumb_edges * face.edge_mm && crumbs.are_at(start)) continue;
+      samples[s] = {face.region, distance, face.edge_mm};
+    }
+  });
+  return samples;
+}
+
 /// Whether the region around a place is thinner than an edge along one of the axes.
 bool is_thin(const LabelAt& label_at, const Vec3& place, double edge_mm) {
   const int own = label_at(place);
@@ -190,17 +225,13 @@ bool is_thin(const LabelAt& label_at, const Vec3& place, double edge_mm) {
 /// these.
 std::vector<Sample> distances_from_labels(const Grid& grid, const std::vector<BoundaryFace>& faces,
                                           const FaceTree& tree, const std::set<std::int32_t>& regions,
-                                          const LabelAt& label_at, const std::array<double, 256>& crumb_ml) {
-  const auto label = labels_at_voxels(grid, label_at);
-  const auto crumb = crumbs_of(grid, label, crumb_ml);
-  const auto is_crumb = [&](const Index3& at) {
-    return crumb[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))] != 0;
-  };
+                                          const LabelAt& label_at, const std::vector<std::uint8_t>& label,
+                                          const Crumbs& crumbs) {
   auto pairs = changing_pairs(grid, label);
   std::erase_if(pairs, [&](const VoxelPair& pair) {
     Index3 beyond = pair.at;
     ++beyond[static_cast<std::size_t>(pair.axis)];
-    return is_crumb(pair.at) || is_crumb(beyond);
+    return crumbs.contains(pair.at) || crumbs.contains(beyond);
   });
   const auto places = evenly(pairs.size());
   std::vector<Sample> samples(places.size(), {{0, 0}, 0, 1});
@@ -331,8 +362,10 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
   for (const auto& face : boundary) triangles.push_back(face.nodes);
   const auto tree = make_face_tree(mesh.nodes_mm, triangles);
   const auto crumb_ml = crumb_sizes(mesh);
-  const auto to_labels = distances_to_labels(mesh, boundary, label_at);
-  const auto from_labels = distances_from_labels(labels.grid, boundary, tree, regions, label_at, crumb_ml);
+  const auto label = labels_at_voxels(labels.grid, label_at);
+  const Crumbs crumbs{labels.grid, crumbs_of(labels.grid, label, crumb_ml)};
+  const auto to_labels = distances_to_labels(mesh, boundary, label_at, crumbs);
+  const auto from_labels = distances_from_labels(labels.grid, boundary, tree, regions, label_at, label, crumbs);
 
   auto topologies = region_topologies(mesh, faces);
 

@@ -261,8 +261,29 @@ TEST_F(Cubes, CrumbsOfTheLabelMapAreCountedNotMeasured) {
   const auto report = check(mesh);
   EXPECT_NEAR(row(report, "mesh/lv_blood", "crumbs_of_labels").value, 0.008, 1e-9);
   EXPECT_LT(row(report, "mesh/lv_blood", "from_labels_max").value, 1e-2);
+  EXPECT_LT(row(report, "mesh/lv_myocardium", "to_labels_max").value, 1e-2);
   fill(labels, {1, 1, 1}, {3, 3, 7}, 6);  // 24 voxels, beside the cavity: no crumb
   EXPECT_GT(row(check(mesh), "mesh/lv_blood", "from_labels_max").value, 1);
+  EXPECT_GT(row(check(mesh), "mesh/lv_myocardium", "to_labels_max").value, 1);
+}
+
+// Neither the normals of a wedge's faces nor the sides and diagonals of a cube lead from its edge into it.
+TEST(ToLabels, TheEdgeOfASharpWedgeIsOnIt) {
+  constexpr double low = 0.24, high = 0.62, length = 6;  // slopes: 13 to 32 degrees
+  const auto label_at = [](const Vec3& p) {
+    return p.x > 0 && p.x < length && p.y > low * p.x && p.y < high * p.x && p.z > 0 && p.z < length ? 1 : 0;
+  };
+  TetMesh mesh;
+  for (const double z : {0.0, length})
+    for (const Vec3& p : {Vec3{0, 0, z}, Vec3{length, low * length, z}, Vec3{length, high * length, z}})
+      mesh.nodes_mm.push_back(p);
+  mesh.cells = {{0, 1, 2, 5}, {0, 1, 5, 4}, {0, 4, 5, 3}};
+  mesh.region.assign(3, 1);
+  auto labels = empty_map(9);
+  fill(labels, {0, 0, 0}, {9, 9, 9}, 1);
+  const auto report =
+      validation::check_against_labels("mesh", mesh, validation::mesh_faces(mesh), labels, label_at, {});
+  EXPECT_LT(row(report, "mesh/lv_myocardium", "to_labels_max").value, 0.02);
 }
 
 TEST_F(Cubes, ALostRegionFails) {

@@ -61,9 +61,12 @@ void check_landmarks(const Landmarks& landmarks, const std::string& where) {
 
 Landmarks parse_landmarks(const std::string& json_text, const std::string& where) {
   const Json json = Json::parse(json_text, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) throw UserError("is not valid JSON", where, "correct the file");
+  if (json.is_discarded()) throw UserError("is not valid JSON", where, "correct the file");
+  if (!json.is_object()) throw UserError("holds no landmarks", where, "known keys: seeds_mm, valves, lv_apex_mm");
   Landmarks landmarks;
   for (const auto& [key, value] : json.items()) {
+    if ((key == "seeds_mm" || key == "valves") && !value.is_object())
+      throw UserError(fmt::format("\"{}\" must hold names", key), where, "correct the file");
     if (key == "seeds_mm")
       for (const auto& [name, point] : value.items()) landmarks.seeds_mm[name] = point_from(point, where, name);
     else if (key == "valves")

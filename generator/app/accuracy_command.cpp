@@ -80,6 +80,8 @@ std::vector<int> variant_list(const std::string& text) {
     const auto dash = part.find('-');
     const int first = whole_number(part.substr(0, dash));
     const int last = dash == std::string_view::npos ? first : whole_number(part.substr(dash + 1));
+    if (last < first)
+      throw UserError(fmt::format("\"{}\" is no range", part), "--variants", "write the smaller number first: 0-4");
     for (int variant = first; variant <= last; ++variant) variants.push_back(variant);
     at = end + 1;
   }

@@ -66,21 +66,24 @@ void add_bundle_commands(Program& p) {
   info->add_flag("--json", p.json, "print as JSON");
 
   auto* pack = subcommand(p, "pack", "Pack a bundle into one file", "heartgen pack bundle heart-1.0.0.tar.zst",
-                          on_root(p, [&p] { return pack_command(p.bundle, p.path); }));
+                          on_root(p, [&p] { return pack_command(p.bundle, p.path, p.json); }));
   pack->add_option("bundle", p.bundle, "folder of the bundle")->required();
   pack->add_option("archive", p.path, "file to write (.tar.zst)")->required();
+  pack->add_flag("--json", p.json, "print as JSON");
 
   auto* unpack = subcommand(p, "unpack", "Unpack and verify a bundle", "heartgen unpack heart-1.0.0.tar.zst bundle",
-                            on_root(p, [&p] { return unpack_command(p.path, p.bundle); }));
+                            on_root(p, [&p] { return unpack_command(p.path, p.bundle, p.json); }));
   unpack->add_option("archive", p.path, "file made by heartgen pack")->required();
   unpack->add_option("folder", p.bundle, "folder to make")->required();
+  unpack->add_flag("--json", p.json, "print as JSON");
 
   auto* report =
       subcommand(p, "report", "Write the HTML report of a bundle again", "heartgen report bundle report.html",
-                 on_root(p, [&p] { return report_command(p.bundle, p.path, p.ct); }));
+                 on_root(p, [&p] { return report_command(p.bundle, p.path, p.ct, p.json); }));
   report->add_option("bundle", p.bundle, "folder of the bundle")->required();
   report->add_option("html", p.path, "file to write")->required();
   report->add_option("--ct", p.ct, "the CT, to show slices of it");
+  report->add_flag("--json", p.json, "print as JSON");
 }
 
 void add_export(Program& p) {

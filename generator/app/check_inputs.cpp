@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <optional>
 
 #include "exporters/bundle.hpp"
 #include "generator/adapters/itk_io.hpp"
@@ -10,6 +12,7 @@
 #include "generator/app/resolutions.hpp"
 #include "generator/app/torso_stage.hpp"
 #include "generator/atlas/atlas.hpp"
+#include "generator/atlas/ventricles.hpp"
 #include "generator/fibers/carry.hpp"
 #include "generator/labels/names_file.hpp"
 #include "generator/labels/presets.hpp"
@@ -33,6 +36,7 @@ void check_meshes(const Recipe& recipe) {
                       fmt::format("known meshes: {}", fmt::join(mesh_names, ", ")));
   if (!wants(recipe, "myocardium"))
     throw UserError("\"myocardium\" is missing: every bundle has it", "mesh.meshes", "add it to the list");
+  check_edges(recipe.mesh);
   mesh::check_settings(recipe.mesh);
   check_resolutions(recipe.mesh);
 }
@@ -79,6 +83,19 @@ void check_late_files(const Recipe& recipe) {
 
 }  // namespace
 
+void check_edges(const MeshSettings& settings) {
+  constexpr double longest_mm = 1000;  // no edge of a patient's mesh
+  const std::map<std::string, double> edges{{"heart_edge_mm", settings.heart_edge_mm},
+                                            {"blood_edge_mm", settings.blood_edge_mm},
+                                            {"torso_edge_mm", settings.torso_edge_mm},
+                                            {"trachea_edge_mm", settings.trachea_edge_mm},
+                                            {"carotid_edge_mm", settings.carotid_edge_mm}};
+  for (const auto& [name, edge] : edges)
+    if (!(edge > 0 && edge <= longest_mm))
+      throw UserError(fmt::format("an edge of {:g} mm", edge), "mesh." + name,
+                      fmt::format("give a positive length of at most {:g} mm", longest_mm));
+}
+
 bool wants(const Recipe& recipe, const std::string& mesh) {
   return std::find(recipe.mesh.meshes.begin(), recipe.mesh.meshes.end(), mesh) != recipe.mesh.meshes.end();
 }
@@ -102,6 +119,22 @@ void check_inputs(const Recipe& recipe) {
 void check_seeds_inside(const Grid& grid, const Landmarks& landmarks) {
   for (const auto& [name, p] : landmarks.seeds_mm)
     if (name != "carotid") segment::seed_voxel(grid, name, p);
+}
+
+void refuse_mirrored_heart(const LabelVolume& labels, const Landmarks& landmarks) {
+  constexpr double coarse_mm = 2, clearly = -0.3;
+  std::optional<double> handedness;
+  try {
+    const auto ventricles = atlas::ventricles_of_labels(labels, landmarks, coarse_mm);
+    handedness = atlas::heart_handedness(labels, landmarks, ventricles.frame);
+  } catch (const UserError&) {
+    return;  // walls too thin for this grid, for one
+  }
+  if (handedness && *handedness < clearly)
+    throw UserError("the heart is mirrored: its pulmonary valve lies on the wrong side of its tricuspid valve",
+                    "labels",
+                    "check the orientation in the image's header, or how the image was converted; a heart that truly "
+                    "is mirrored (situs inversus) needs an atlas of its own");
 }
 
 Vec3 carotid_seed(const Recipe& recipe) {

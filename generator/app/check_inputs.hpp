@@ -14,9 +14,16 @@ bool wants(const Recipe& recipe, const std::string& mesh);
 /// read. The output folder is not looked at.
 void check_inputs(const Recipe& recipe);
 
+/// Throws UserError, naming the setting, for edge lengths that are not positive or that no patient's mesh has.
+void check_edges(const MeshSettings& settings);
+
 /// Throws UserError for a seed outside the image, telling coordinates that look like RAS or like voxel indices. The
 /// carotid's seed belongs to its own angiogram and is not looked at.
 void check_seeds_inside(const Grid& grid, const Landmarks& landmarks);
+
+/// Throws UserError where the labels' heart is the mirror image of a heart, to which the fibre stage could not carry an
+/// atlas. Found on a coarse grid, before the meshing; what cannot be seen there is left to that stage.
+void refuse_mirrored_heart(const LabelVolume& labels, const Landmarks& landmarks);
 
 /// Throws UserError when the recipe has none.
 Vec3 carotid_seed(const Recipe& recipe);

@@ -11,6 +11,7 @@
 #include "exporters/registry.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
+#include "generator/app/check_inputs.hpp"
 #include "generator/app/input_files.hpp"
 #include "generator/app/mesh_certificate.hpp"
 #include "generator/app/pipeline.hpp"
@@ -121,6 +122,24 @@ Report kept_rows(const Report& report, const std::string& group) {
   return kept;
 }
 
+Report failed_rows(const Report& report) {
+  Report failed;
+  std::copy_if(report.begin(), report.end(), std::back_inserter(failed), [](const auto& row) { return !row.passed(); });
+  return failed;
+}
+
+Json with_files(const Report& report, const std::vector<fs::path>& files) {
+  Json out = Json::parse(exporters::report_json(report));
+  out["files"] = Json::array();
+  for (const auto& file : files) out["files"].push_back(file.lexically_normal().string());
+  return out;
+}
+
+/// What a command wrote that has nothing else to say.
+void print_written(const char* what, const std::string& path, bool json) {
+  fmt::print("{}\n", json ? Json::object({{what, path}}).dump(1) : path);
+}
+
 Recipe bundle_recipe(const std::string& bundle) { return read_recipe((fs::path(bundle) / "recipe.toml").string()); }
 
 }  // namespace
@@ -128,6 +147,7 @@ Recipe bundle_recipe(const std::string& bundle) { return read_recipe((fs::path(b
 int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   Recipe recipe;
   BuildOptions options;
+  if (command.output.empty()) throw UserError("no folder is named", "--output", "name the folder of the bundle");
   // Every rank reads the recipe, so that all fail or go on together.
   recipe = read_recipe(command.recipe);
   if (!command.ct.empty()) recipe.input.ct = command.ct;
@@ -145,7 +165,12 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   if (!comm.is_root()) return 0;
   const bool passed = all_passed(result.metrics);
   if (command.json) {
-    fmt::print("{}\n", Json{{"bundle", command.output}, {"content_id", result.content_id}, {"passed", passed}}.dump(1));
+    Json out = Json::parse(exporters::report_json(failed_rows(result.metrics)));
+    out["passed"] = passed;
+    out["bundle"] = command.output;
+    out["content_id"] = result.content_id;
+    out["report"] = (options.output / "validation" / "report.html").string();
+    fmt::print("{}\n", out.dump(1));
     return 0;
   }
   print_rows(result.metrics, false);
@@ -155,6 +180,10 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
 }
 
 int validate_command(const ValidateCommand& command) {
+  std::optional<LabelVolume> known_labels;
+  if (!command.reference_labels.empty()) known_labels = adapters::read_labels(command.reference_labels);
+  std::optional<validation::ReferenceFibers> known_fibers;
+  if (!command.reference_fibers.empty()) known_fibers = read_reference_fibers(command.reference_fibers);
   const auto problems = exporters::verify_bundle(command.bundle);
   if (!problems.empty())
     throw UserError(fmt::format("{}: {}", problems.front().file, problems.front().what), command.bundle,
@@ -164,11 +193,9 @@ int validate_command(const ValidateCommand& command) {
   const LabelVolume labels = exporters::read_labels(command.bundle);
   const Recipe recipe = bundle_recipe(command.bundle);
   append(report, certificate(meshes, labels, recipe.mesh, recipe.validation));
-  if (!command.reference_labels.empty())
-    append(report, validation::compare_labels(labels, adapters::read_labels(command.reference_labels)));
-  if (!command.reference_fibers.empty() && meshes.contains("myocardium"))
-    append(report,
-           validation::compare_fibers(meshes.at("myocardium"), read_reference_fibers(command.reference_fibers)));
+  if (known_labels) append(report, validation::compare_labels(labels, *known_labels));
+  if (known_fibers && meshes.contains("myocardium"))
+    append(report, validation::compare_fibers(meshes.at("myocardium"), *known_fibers));
   const bool passed = all_passed(report);
   if (command.json)
     fmt::print("{}\n", exporters::report_json(report));
@@ -223,28 +250,26 @@ int verify_command(const std::string& bundle, bool json) {
   return 0;
 }
 
-int pack_command(const std::string& bundle, const std::string& archive) {
+int pack_command(const std::string& bundle, const std::string& archive, bool json) {
   exporters::pack_bundle(bundle, archive);
-  fmt::print("{}\n", archive);
+  print_written("archive", archive, json);
   return 0;
 }
 
-int unpack_command(const std::string& archive, const std::string& folder) {
+int unpack_command(const std::string& archive, const std::string& folder, bool json) {
   exporters::unpack_bundle(archive, folder);
-  fmt::print("{}\n", folder);
+  print_written("bundle", folder, json);
   return 0;
 }
 
 int info_command(const std::string& bundle, bool json) {
   const auto manifest = exporters::read_manifest(bundle);
   if (json) {
-    Json out{{"name", manifest.name}, {"version", manifest.version}, {"content_id", manifest.content_id}};
+    Json out{{"name", manifest.name}, {"version", manifest.version}, {"content_id", manifest.content_id},
+             {"unit", manifest.unit}, {"frame", manifest.frame},     {"fibres", manifest.atlas}};
     for (const auto& [name, mesh] : manifest.meshes)
-      out["meshes"][name] = {{"nodes", mesh.nodes},
-                             {"cells", mesh.cells},
-                             {"regions", mesh.regions},
-                             {"surfaces", mesh.surfaces},
-                             {"rims", mesh.rims}};
+      out["meshes"][name] = {{"nodes", mesh.nodes},     {"cells", mesh.cells},       {"labelled_faces", mesh.faces},
+                             {"regions", mesh.regions}, {"surfaces", mesh.surfaces}, {"rims", mesh.rims}};
     fmt::print("{}\n", out.dump(1));
     return 0;
   }
@@ -259,7 +284,7 @@ int info_command(const std::string& bundle, bool json) {
   return 0;
 }
 
-int report_command(const std::string& bundle, const std::string& html, const std::string& ct_path) {
+int report_command(const std::string& bundle, const std::string& html, const std::string& ct_path, bool json) {
   check_output(html);
   const auto manifest = exporters::read_manifest(bundle);
   const auto meshes = read_meshes(bundle);
@@ -278,7 +303,7 @@ int report_command(const std::string& bundle, const std::string& html, const std
   for (const auto& [name, version] : manifest.tools) input.tools.emplace_back(name, version);
   if (const auto remark = remark_on_ct(ct_path, manifest); !remark.empty()) input.remarks.push_back(remark);
   write_text(html, validation::make_report(input));
-  fmt::print("{}\n", html);
+  print_written("report", html, json);
   return 0;
 }
 
@@ -313,6 +338,8 @@ int mesh_command(const MeshCommand& command) {
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
   if (command.wall_layers) settings.wall_layers = *command.wall_layers;
   if (!command.backend.empty()) settings.backend = command.backend;
+  check_edges(settings);
+  mesh::check_settings(settings);
   check_mesh_output(command.output);
   mesh::LatticeReport steps;
   steps.on_step = [](const std::string& step, double seconds) {
@@ -330,7 +357,7 @@ int mesh_command(const MeshCommand& command) {
   Report report = validation::check_mesh(name, mesh, {});
   append(report, check_fidelity(name, mesh, labels, settings, {}));
   if (command.json)
-    fmt::print("{}\n", exporters::report_json(report));
+    fmt::print("{}\n", with_files(report, files).dump(1));
   else {
     fmt::print("{} nodes, {} cells in\n", mesh.nodes_mm.size(), mesh.cells.size());
     for (const auto& file : files) fmt::print("  {}\n", file.lexically_normal().string());

@@ -32,10 +32,10 @@ struct ExportCommand {
 int export_command(const ExportCommand& command);
 
 int verify_command(const std::string& bundle, bool json);
-int pack_command(const std::string& bundle, const std::string& archive);
-int unpack_command(const std::string& archive, const std::string& folder);
+int pack_command(const std::string& bundle, const std::string& archive, bool json);
+int unpack_command(const std::string& archive, const std::string& folder, bool json);
 int info_command(const std::string& bundle, bool json);
-int report_command(const std::string& bundle, const std::string& html, const std::string& ct);
+int report_command(const std::string& bundle, const std::string& html, const std::string& ct, bool json);
 
 struct FilterCommand {
   std::string name, input, output;
@@ -62,6 +62,7 @@ struct PhantomCommand {
   Vec3 spacing_mm{1.4, 1.4, 1.9};
   int variant = 0;
   double noise_hu = 22;
+  bool json = false;
 };
 int phantom_command(const PhantomCommand& command);
 

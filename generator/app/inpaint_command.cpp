@@ -9,6 +9,7 @@
 
 #include "generator/adapters/itk_io.hpp"
 #include "generator/fibers/inpaint_grid.hpp"
+#include "generator/labels/given_labels.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
@@ -33,8 +34,8 @@ Volume<Vec3> read_fibers(const InpaintCommand& command, const Grid& grid) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto path = path_in(command.input, axis);
     const auto component = adapters::read_image(path);
-    if (component.grid.size != grid.size)
-      throw UserError("has not as many voxels as the label map", path, "give both on one grid");
+    if (!labels::same_place(component.grid, grid))
+      throw UserError("does not lie on the label map's grid", path, "give both with one size, spacing and origin");
     for (std::size_t v = 0; v < fiber.voxels.size(); ++v) fiber.voxels[v][static_cast<int>(axis)] = component.voxels[v];
   }
   for (Vec3& f : fiber.voxels) f = normalized(f);

@@ -4,10 +4,12 @@
 #include <clocale>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <new>
 
 #include "generator/app/options.hpp"
 #include "generator/app/versions.hpp"
+#include "generator/app/watch.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 
@@ -19,12 +21,23 @@ using namespace heart::app;
 constexpr int exit_defect = 1;
 constexpr int exit_user = 2;
 
+/// Long work says so; but a build tells of its stages, and a benchmark is not disturbed.
+std::unique_ptr<Watch> watch_over(const Program& p) {
+  const auto name = p.app.get_subcommands().front()->get_name();
+  if (!p.comm.is_root() || name == "build" || name == "bench") return nullptr;
+  return std::make_unique<Watch>(longest_silence, [name](double seconds) {
+    fmt::print(stderr, "heartgen {}: {:.0f} s so far\n", name, seconds);
+    std::fflush(stderr);
+  });
+}
+
 int run(Program& p) {
   if (p.threads < 0) throw UserError("must be positive", "--threads", "give the number of threads");
   if (p.threads > 0) parallel::set_thread_count(p.threads);
   if (!p.size.empty()) p.phantom.size = p.accuracy.size = p.bench.size = {p.size[0], p.size[1], p.size[2]};
   if (!p.spacing.empty())
     p.phantom.spacing_mm = p.accuracy.spacing_mm = p.bench.spacing_mm = {p.spacing[0], p.spacing[1], p.spacing[2]};
+  const auto watch = watch_over(p);
   return p.chosen();
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
@@ -71,16 +72,20 @@ int phantom_command(const PhantomCommand& command) {
   settings.spacing_mm = command.spacing_mm;
   settings.variant = command.variant;
   settings.noise_hu = command.noise_hu;
+  const fs::path folder = command.folder, recipe = folder / "recipe.toml";
+  check_output(recipe);
   const datasets::Phantom phantom = datasets::make_phantom(settings);
-  const fs::path folder = command.folder;
   write_truth(folder / "truth", phantom);
   write_companions(folder, phantom);
   write_text(folder / "landmarks.json", write_landmarks(visible_landmarks(phantom)));
   adapters::write_unstructured(folder / "atlas.vtk", atlas_file(datasets::make_standin_atlas()));
-  write_text(folder / "recipe.toml", recipe_text(command.variant));
+  write_text(recipe, recipe_text(command.variant));
   adapters::write_volume((folder / "ct.nii.gz").string(), phantom.ct);
-  fmt::print("{}\nbuild it with: heartgen build {} --output {}\n", folder.string(), (folder / "recipe.toml").string(),
-             (folder.parent_path() / "bundle").string());
+  if (command.json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"folder", folder.string()}, {"recipe", recipe.string()}}.dump(1));
+  else
+    fmt::print("{}\nbuild it with: heartgen build {} --output {}\n", folder.string(), recipe.string(),
+               (folder.parent_path() / "bundle").string());
   return 0;
 }
 

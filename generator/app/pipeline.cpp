@@ -294,6 +294,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   parallel::run_on_root(comm, [&] {
     check_inputs(recipe);
     place = exporters::reserve_place(options.output, existing);
+    clear_unfinished_entries(options.cache_folder);
     inputs = hash_inputs(recipe);
     run.program_hash = exporters::sha256_of_file("/proc/self/exe");
     run.files.origin = origin_of(recipe, run, inputs);
@@ -312,6 +313,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   parallel::run_on_root(comm, [&] {
     refuse_empty_regions(*heart, recipe);
     check_memory(*heart, recipe.mesh, machine_memory_bytes());
+    refuse_mirrored_heart(*heart, recipe.landmarks);
     settle_replacements(run, recipe.replace, inputs, remarks);
   });
   const auto torso_hash =

@@ -17,19 +17,43 @@ double done_share(const Progress& progress) {
   return all > 0 ? done / all : 0;
 }
 
-std::string time_left(const Progress& progress, double share) {
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.start).count();
-  if (share < 0.02 || elapsed < 1) return "";
-  return fmt::format("about {:.0f} s left", elapsed * (1 - share) / share);
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void draw_bar(const Progress& progress, const std::string& name) {
+/// What the finished stages let expect; it falls with the seconds of the stage that runs.
+std::string time_left(double share, double before_s, double stage_s) {
+  const double left = before_s * (1 - share) / share - stage_s;
+  return share < 0.02 || before_s < 1 || left < 0 ? "" : fmt::format("about {:.0f} s left", left);
+}
+
+void draw_bar(double share, const std::string& name, const std::string& remark) {
   constexpr int width = 30;
-  const double share = done_share(progress);
   const int filled = static_cast<int>(share * width);
   fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %  {}  {}", std::string(static_cast<std::size_t>(filled), '#'),
-             std::string(static_cast<std::size_t>(width - filled), '.'), 100 * share, name, time_left(progress, share));
+             std::string(static_cast<std::size_t>(width - filled), '.'), 100 * share, name, remark);
   std::fflush(stderr);
+}
+
+std::shared_ptr<Watch> bar_that_moves(const Progress& progress, const std::string& name) {
+  const double share = done_share(progress), before_s = seconds_since(progress.start);
+  const auto draw = [=](double stage_s) {
+    const auto left = time_left(share, before_s, stage_s);
+    draw_bar(share, name, fmt::format("{:.0f} s{}{}", stage_s, left.empty() ? "" : ", ", left));
+  };
+  draw(0);
+  return {new Watch(std::chrono::seconds(1), draw), [](const Watch* watch) {
+            delete watch;
+            fmt::print(stderr, "\r\033[K");
+          }};
+}
+
+std::shared_ptr<Watch> lines_of_life(const Progress& progress, const std::string& name) {
+  const auto number = progress.next + 1, count = progress.plan.size();
+  return std::make_shared<Watch>(progress.silence, [=](double stage_s) {
+    fmt::print(stderr, "[{:2}/{}] {:<12} {:.0f} s so far\n", number, count, name, stage_s);
+    std::fflush(stderr);
+  });
 }
 
 }  // namespace
@@ -43,19 +67,18 @@ Progress make_progress(std::vector<StagePlan> plan, bool enabled) {
 }
 
 void stage_begins(Progress& progress, const std::string& name) {
-  if (progress.enabled && progress.terminal) draw_bar(progress, name);
+  if (progress.enabled)
+    progress.watch = progress.terminal ? bar_that_moves(progress, name) : lines_of_life(progress, name);
 }
 
 void stage_ends(Progress& progress, const std::string& name, const std::string& note) {
   ++progress.next;
+  progress.watch.reset();
   if (!progress.enabled) return;
-  if (progress.terminal) fmt::print(stderr, "\r\033[K");
   fmt::print(stderr, "[{:2}/{}] {:<12} {}\n", progress.next, progress.plan.size(), name, note);
   std::fflush(stderr);
 }
 
-void finish(Progress& progress) {
-  if (progress.enabled && progress.terminal) fmt::print(stderr, "\r\033[K");
-}
+void finish(Progress& progress) { progress.watch.reset(); }
 
 }  // namespace heart::app

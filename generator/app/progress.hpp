@@ -1,8 +1,12 @@
-// Progress of a build: a bar with the stage, its share and the time left on a terminal, plain lines otherwise.
+// Progress of a build: a bar with the stage, its share and the time left on a terminal, plain lines otherwise: one as a
+// stage ends, and more of stages that take long.
 #pragma once
 #include <chrono>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "generator/app/watch.hpp"
 
 namespace heart::app {
 
@@ -17,6 +21,8 @@ struct Progress {
   bool terminal = false;  ///< redraw one line instead of printing lines
   std::size_t next = 0;   ///< stages finished
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  std::chrono::milliseconds silence = longest_silence;  ///< between plain lines, at most
+  std::shared_ptr<Watch> watch{};                       ///< of the stage that runs
 };
 
 Progress make_progress(std::vector<StagePlan> plan, bool enabled);

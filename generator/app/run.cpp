@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t hash_length = 64;
+constexpr const char* partial_ending = ".partial";
 
 fs::path entry_path(const fs::path& folder, const std::string& key) { return folder / (key + ".stage"); }
 
@@ -54,7 +55,7 @@ bool Run::read_entry(const std::string& key, std::string& bytes) const {
 void Run::write_entry(const std::string& key, const std::string& bytes) const {
   std::error_code ignored;  // a cache that cannot be written costs time, not results
   fs::create_directories(cache_folder, ignored);
-  const fs::path partial = cache_folder / fmt::format("{}.{}.partial", key, getpid());
+  const fs::path partial = cache_folder / fmt::format("{}.{}{}", key, getpid(), partial_ending);
   {
     std::ofstream file(partial, std::ios::binary);
     file << exporters::sha256_of_text(bytes);
@@ -117,6 +118,14 @@ void Run::rethrow_in_stage(const std::string& name) {
   } catch (const std::exception& error) {
     throw std::runtime_error(name + ": " + error.what());
   }
+}
+
+void clear_unfinished_entries(const fs::path& cache_folder) {
+  std::error_code ignored;
+  std::vector<fs::path> unfinished;
+  for (const auto& entry : fs::directory_iterator(cache_folder, ignored))
+    if (entry.path().extension() == partial_ending) unfinished.push_back(entry.path());
+  for (const auto& file : unfinished) fs::remove(file, ignored);
 }
 
 std::string time_log(const Run& run) {

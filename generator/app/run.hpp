@@ -155,6 +155,9 @@ struct Run {
   [[noreturn]] static void rethrow_in_stage(const std::string& name);
 };
 
+/// Takes away what killed runs left of entries. No other run may use the cache.
+void clear_unfinished_entries(const std::filesystem::path& cache_folder);
+
 /// A line per stage with its seconds and the memory so far, and a last one of all.
 std::string time_log(const Run& run);
 

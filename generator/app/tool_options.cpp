@@ -55,6 +55,7 @@ void add_tools(Program& p) {
   phantom->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
   phantom->add_option("--variant", p.phantom.variant, "another patient: pose, size, walls, contrast (default 0)");
   phantom->add_option("--noise", p.phantom.noise_hu, "standard deviation of the noise, HU (default 22)");
+  phantom->add_flag("--json", p.phantom.json, "print as JSON");
 }
 
 void add_contours(Program& p) {
@@ -76,7 +77,8 @@ void add_contours(Program& p) {
   sub->add_option("--tension", c.tension_mm, "snake: against length (default 0.3)");
   sub->add_option("--rigidity", c.rigidity_mm3, "snake: against bending (default 1)");
   sub->add_option("--share", c.share, "subjective: level of the border, of the height at the seeds (default 0.5)");
-  sub->add_option("--iterations", c.iterations, "steps at most (default 5000, 20000 for snakes and subjective)");
+  sub->add_option("--iterations", c.iterations, "steps at most (default 5000, 20000 for snakes and subjective)")
+      ->check(CLI::NonNegativeNumber);
   sub->add_option("--surface", c.surface, "also write the level set function");
   sub->add_option("-o,--output", c.folder, "broken-circle: folder for the pictures");
   sub->add_option("--noise", c.noise, "broken-circle: standard deviation of its noise, of 255 (default 0)");
@@ -106,9 +108,9 @@ void add_improve(Program& p) {
   auto& c = p.improve;
   auto* sub = subcommand(p, "improve", "Raise the worst angles of any tetrahedral mesh; regions and surfaces stay",
                          "heartgen improve mine.msh better.msh --goal-deg 20\n"
-                         "  heartgen improve heart.vtu better.vtu --slide 0.05 --drop GlobalNodeID",
+                         "  heartgen improve heart.vtu better.vtu --slide 0.05",
                          on_root(p, [&p] { return improve_command(p.improve); }));
-  sub->add_option("input", c.input, "mesh: .vtu, .vtk or .msh (2.2 or 4.1 as text)")->required();
+  sub->add_option("input", c.input, "mesh: .vtu, .vtk or .msh (2.2 or 4.1)")->required();
   sub->add_option("output", c.output, "mesh to write: .vtu, .vtk or .msh")->required();
   sub->add_option("--goal-deg", c.settings.goal_deg, "dihedral angles to reach, 1 to 40 (default 20)");
   sub->add_option("--slide", c.settings.slide_mm,

@@ -130,6 +130,16 @@ void add_seeds(const LabelVolume& chambers, FoundLandmarks& found) {
   }
 }
 
+/// Slices in reverse order make a heart that looks like one, and whose right chambers are taken for each other.
+void refuse_upside_down(const std::map<std::string, ValvePatch>& valves) {
+  constexpr double downwards = -0.3;  // upright, the valve's normal rises by .4 to .95
+  const auto aortic = valves.find("aortic");
+  if (aortic == valves.end() || aortic->second.normal.z > downwards) return;
+  throw UserError("the aorta leaves the left ventricle downwards: the image is upside down", "landmarks",
+                  "check the order of its slices and the orientation in its header, or give the seeds and valve "
+                  "planes by hand");
+}
+
 }  // namespace
 
 SearchResult search(const CtVolume& ct) {
@@ -142,6 +152,7 @@ SearchResult search(const CtVolume& ct) {
   FoundLandmarks& found = result.found;
   if (const auto trachea = find_trachea(whole.hu, thorax.spine)) found.landmarks.seeds_mm["trachea"] = *trachea;
   const auto valves = find_valves(chambers.labels, chambers.image, chambers.axis, chambers.right);
+  refuse_upside_down(valves);
   keep_main_pieces(chambers.labels);
   add_seeds(chambers.labels, found);
   constexpr double margin_mm = 2;  // voxels of both pools beside the orifice

@@ -88,6 +88,27 @@ TEST_F(EndToEnd, BundleIsCompleteAndWhole) {
   EXPECT_EQ(testing::text_of(folder() + "/bundle/validation/report.html").find(folder()), std::string::npos);
 }
 
+TEST_F(EndToEnd, EveryResultIsReadableByMachines) {
+  const auto json = [](const std::string& arguments) {
+    const auto run = testing::heartgen(arguments + " --json", folder());
+    EXPECT_EQ(run.exit_code, 0) << arguments << run.errors;
+    return Json::parse(run.output, nullptr, false);
+  };
+  const Json info = json("info bundle");
+  EXPECT_EQ(info["unit"], "mm");
+  EXPECT_EQ(info["frame"], "LPS");
+  EXPECT_EQ(info["fibres"], "atlas.vtk");
+  EXPECT_GT(info["meshes"]["torso"]["labelled_faces"], 0);
+  EXPECT_EQ(json("pack bundle one.tar.zst")["archive"], "one.tar.zst");
+  EXPECT_EQ(json("unpack one.tar.zst unpacked")["bundle"], "unpacked");
+  EXPECT_EQ(json("report bundle machine.html")["report"], "machine.html");
+  EXPECT_TRUE(json("verify bundle").is_array());
+  EXPECT_TRUE(json("export bundle --to msh --mesh trachea --output exported").is_array());
+  // What we write in binary we read.
+  const Json improved = json("improve exported/msh/trachea.msh again.vtu --goal-deg 1");
+  EXPECT_EQ(improved["before"]["cells"], info["meshes"]["trachea"]["cells"]);
+}
+
 TEST_F(EndToEnd, AReportIsDrawnOverTheBundlesOwnCt) {
   const auto reported = testing::heartgen("report bundle again.html --ct phantom/ct.nii.gz", folder());
   ASSERT_EQ(reported.exit_code, 0) << reported.errors;
@@ -256,6 +277,26 @@ TEST_F(StagesByHand, LabelsWithoutACt) {
   std::ofstream(folder() + "/no_ct.toml") << quick;
   build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");
   EXPECT_EQ(labels("by_hand/images/labels.nii.gz").voxels, labels("phantom/truth/labels.nii.gz").voxels);
+}
+
+template <class T>
+Volume<T> mirrored(Volume<T> image) {
+  const auto nx = image.grid.size[0];
+  for (auto row = image.voxels.begin(); row != image.voxels.end(); row += nx) std::reverse(row, row + nx);
+  return image;
+}
+
+TEST_F(StagesByHand, MirroredHeartsAreRefusedBeforeTheyAreMeshed) {
+  adapters::write_volume(folder() + "/mirrored.nrrd", mirrored(labels("phantom/truth/labels.nii.gz")));
+  adapters::write_volume(folder() + "/mirrored_ct.nrrd", mirrored(adapters::read_ct(folder() + "/phantom/ct.nii.gz")));
+  std::ofstream(folder() + "/mirrored.toml") << quick;
+  for (const char* input : {"--labels mirrored.nrrd", "--ct mirrored_ct.nrrd"}) {
+    const auto refused =
+        testing::heartgen(std::string("build mirrored.toml --output none --no-cache ") + input, folder());
+    EXPECT_EQ(refused.exit_code, 2) << refused.errors;
+    EXPECT_NE(refused.errors.find("mirrored"), std::string::npos) << refused.errors;
+    EXPECT_EQ(refused.errors.find("] mesh"), std::string::npos) << refused.errors;
+  }
 }
 
 TEST_F(StagesByHand, AFurtherResolutionHasTheRegionsSurfacesAndFibresOfTheMainMesh) {

@@ -56,6 +56,17 @@ TEST(InpaintCommand, FillsTheGapsWithTheSameBytesOnAnyNumberOfRanks) {
   EXPECT_EQ(read("filled", "fiber_x.nrrd")(0, 6, 6), 0);
 }
 
+TEST(InpaintCommand, FibresOfAnotherPlaceAreRefused) {
+  const auto folder = testing::scratch_folder("inpaint_elsewhere");
+  write_block(folder);
+  auto labels = adapters::read_labels((folder / "labels.nrrd").string());
+  labels.grid.origin_mm.x += 5;
+  adapters::write_volume((folder / "labels.nrrd").string(), labels);
+  const auto refused = testing::heartgen("inpaint . filled --labels labels.nrrd", folder.string());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.errors.find("fiber_x.nrrd: does not lie on"), std::string::npos) << refused.errors;
+}
+
 TEST(InpaintCommand, WhatItCannotDoIsSaid) {
   const auto folder = testing::scratch_folder("inpaint_bad");
   write_block(folder);

@@ -101,6 +101,29 @@ TEST(MeshCommand, WritesTheKindOfFileThatTheNameAsksFor) {
   EXPECT_GT(before.front()["cells"], 1000);
 }
 
+TEST(MeshCommand, EdgesThatNoMeshHasAreRefusedAsSuch) {
+  const auto folder = testing::scratch_folder("mesh_edges");
+  Grid grid;
+  grid.size = {8, 8, 8};
+  adapters::write_volume((folder / "labels.nii.gz").string(), LabelVolume(grid, tag(Region::lv_blood)));
+  for (const char* edge : {"nan", "inf", "0", "-1", "1e9"}) {
+    const auto refused = testing::heartgen(std::string("mesh labels.nii.gz m.vtu --edge ") + edge, folder.string());
+    EXPECT_EQ(refused.exit_code, 2) << edge;
+    EXPECT_NE(refused.errors.find("heart_edge_mm"), std::string::npos) << refused.errors;
+    EXPECT_EQ(refused.errors.find("memory"), std::string::npos) << refused.errors;
+  }
+}
+
+TEST(BuildCommand, EdgesOfLateMeshesAreLookedAtFirst) {
+  const auto folder = testing::scratch_folder("late_edges");
+  for (const std::string name : {"trachea_edge_mm", "carotid_edge_mm"}) {
+    std::ofstream(folder / "recipe.toml") << "[input]\nlabels = \"recipe.toml\"\n[mesh]\n" << name << " = 0\n";
+    const auto refused = testing::heartgen("build recipe.toml --output bundle", folder.string());
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.errors.find("mesh." + name), std::string::npos) << refused.errors;
+  }
+}
+
 TEST(PlaceCommand, WritesTheLabelMapAndThePose) {
   const auto folder = testing::scratch_folder("place");
   const auto write = [&](const std::string& name, std::int64_t shift) {

@@ -161,6 +161,23 @@ TEST(FindLandmarks, ReportsAMirroredImage) {
   }
 }
 
+TEST(FindLandmarks, RefusesSlicesInReverseOrder) {
+  for (const int variant : {0, 7}) {
+    CtVolume image = phantom(variant).ct;
+    const auto& size = image.grid.size;
+    const auto slice = static_cast<std::ptrdiff_t>(size[0] * size[1]);
+    for (std::int64_t k = 0; k < size[2] / 2; ++k)
+      std::swap_ranges(image.voxels.begin() + k * slice, image.voxels.begin() + (k + 1) * slice,
+                       image.voxels.begin() + (size[2] - 1 - k) * slice);
+    try {
+      find_landmarks(image);
+      ADD_FAILURE() << "accepted variant " << variant;
+    } catch (const UserError& error) {
+      EXPECT_NE(error.message.find("upside down"), std::string::npos) << error.message;
+    }
+  }
+}
+
 TEST(FindLandmarks, DoesNotDependOnTheDirectionOfTheAxes) {
   const CtVolume& ct = phantom(0).ct;
   CtVolume turned = ct;  // the same patient, rows stored from left to right

@@ -149,6 +149,7 @@ TEST(Landmarks, WhatTheCommandPrintsBesideThemIsNoMistake) {
       parse_landmarks("{\"confidence\": 0.9, \"warnings\": [], \"volumes_ml\": {}, \"long_axis\": [0, 0, 1]}", "")
           .seeds_mm.empty());
   EXPECT_THROW(parse_landmarks("{\"confidense\": 0.9}", ""), UserError);
+  EXPECT_THROW(parse_landmarks("{\"seeds_mm\": null}", ""), UserError);
 }
 
 TEST(Landmarks, DamagedFilesAreRefused) {

@@ -1,0 +1,54 @@
+#include "generator/app/progress.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+namespace heart::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Watch, TellsAgainAndAgainUntilItsEnd) {
+  std::atomic<int> told = 0;
+  {
+    const Watch watch(1ms, [&](double) { ++told; });
+    while (told < 3) std::this_thread::sleep_for(1ms);
+  }
+  const int at_end = told;
+  std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(told, at_end);
+}
+
+TEST(Watch, EndsAtOnce) {
+  const auto start = std::chrono::steady_clock::now();
+  {
+    const Watch watch(1h, [](double) {});
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 1min);
+}
+
+/// What a build of one stage prints that takes 50 ms.
+std::string printed(bool enabled) {
+  ::testing::internal::CaptureStderr();
+  auto progress = make_progress({{"mesh", 1}}, enabled);
+  progress.terminal = false;
+  progress.silence = 1ms;
+  stage_begins(progress, "mesh");
+  std::this_thread::sleep_for(50ms);
+  stage_ends(progress, "mesh", "0.1 s");
+  finish(progress);
+  return ::testing::internal::GetCapturedStderr();
+}
+
+TEST(Progress, ALongStageSaysThatItStillRuns) {
+  const auto lines = printed(true);
+  const auto alive = lines.find("mesh         0 s so far\n"), end = lines.find("mesh         0.1 s\n");
+  ASSERT_NE(end, std::string::npos) << lines;
+  EXPECT_LT(alive, end) << lines;
+  EXPECT_EQ(printed(false), "");
+}
+
+}  // namespace
+}  // namespace heart::app

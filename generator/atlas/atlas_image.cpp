@@ -321,9 +321,10 @@ void split_walls(Volume<std::uint8_t>& parts, double lv_thickness_mm) {
   });
 }
 
-/// Where the walls join, a mesh with one vector per node mixes their directions within its cells: about two edges far.
+/// Where the walls join, a mesh with one vector per node mixes their directions within its cells, about two edges far,
+/// and for an edge more its sheets bend into the junction, so that depths between its surfaces are not its own.
 double mixing_reach_mm(const FiberAtlas& atlas) {
-  constexpr double edges = 2, most_mm = 12;
+  constexpr double edges = 3, most_mm = 15;
   double sum = 0, count = 0;
   for (const Cell& cell : atlas.cells)
     for (std::size_t a = 0; a < 4; ++a)

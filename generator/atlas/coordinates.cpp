@@ -8,11 +8,12 @@
 #include "generator/atlas/compact_wall.hpp"
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/even_surface.hpp"
+#include "generator/atlas/layers.hpp"
 #include "generator/atlas/quadratic_continuation.hpp"
 #include "generator/atlas/resample.hpp"
+#include "generator/atlas/share_distance.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/corners.hpp"
-#include "model/sort_unique.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -89,7 +90,11 @@ Surfaces surfaces_of(const Ventricles& ventricles, Part wall, const WallEnds& en
   };
   const auto in_heart = [](std::uint8_t v) { return !is(v, Part::outside); };
   const Mask hull = wall == Part::lv_wall ? mask_where(parts, in_left_hull) : mask_where(parts, in_heart);
-  return {even_surface(cavity, clear, step_voxels(ventricles)), even_surface(hull, clear, step_voxels(ventricles))};
+  const PartShares& shares = ventricles.shares;
+  const bool left = wall == Part::lv_wall;
+  const double step = step_voxels(ventricles);
+  return {even_surface(signed_distance(cavity, left ? shares.lv_cavity : shares.rv_cavity), clear, step),
+          even_surface(signed_distance(hull, left ? shares.left : shares.both), clear, step)};
 }
 
 CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces& surfaces, const WallEnds& ends) {
@@ -99,7 +104,8 @@ CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces
   Mask cavity = mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
   for (std::size_t v = 0; v < cavity.voxels.size(); ++v)
     if (muscle.voxels[v]) cavity.voxels[v] = 0;
-  const auto fine = signed_distance(cavity, fine_smoothing * step_voxels(ventricles));
+  const auto& share = wall == Part::lv_wall ? ventricles.shares.lv_cavity : ventricles.shares.rv_cavity;
+  const auto fine = smoothed_level_set(signed_distance(cavity, share), fine_smoothing * step_voxels(ventricles));
   const double label_mm = step_voxels(ventricles) * parts.grid.spacing_mm.x;
   const double ridge_mm = ventricles.trabeculae.voxels.empty() ? no_ridge_mm : ridge_voxels * label_mm;
   return CompactWall(endocardial_thickness(fine, surfaces.epicardium, clear_of_ends(muscle, ends)), ridge_mm);
@@ -175,31 +181,6 @@ void set_voxel(WallCoordinates& c, std::int64_t v, const Between& b) {
   c.normal.voxels[at] = normalized((1 - depth) * b.from_inside + depth * b.to_outside);
 }
 
-/// Offsets of the 26 neighbours.
-constexpr std::array<std::array<int, 3>, 26> neighbors26 = [] {
-  std::array<std::array<int, 3>, 26> result{};
-  std::size_t n = 0;
-  for (int c = -1; c <= 1; ++c)
-    for (int b = -1; b <= 1; ++b)
-      for (int a = -1; a <= 1; ++a)
-        if (a != 0 || b != 0 || c != 0) result[n++] = {a, b, c};
-  return result;
-}();
-
-/// Unknown voxels that touch one of `around`, ascending, each once.
-std::vector<std::int64_t> unknown_around(const Mask& known, const std::vector<std::int64_t>& around) {
-  const Grid& g = known.grid;
-  std::vector<std::int64_t> result;
-  for (const auto v : around) {
-    const std::int64_t i = v % g.size[0], j = v / g.size[0] % g.size[1], k = v / (g.size[0] * g.size[1]);
-    for (const auto& s : neighbors26)
-      if (g.contains(i + s[0], j + s[1], k + s[2]) && !known(i + s[0], j + s[1], k + s[2]))
-        result.push_back(g.offset(i + s[0], j + s[1], k + s[2]));
-  }
-  sort_unique(result);
-  return result;
-}
-
 /// Mean of the known neighbours' linear continuations.
 struct Continued {
   double depth = 0, thickness_mm = 0;
@@ -229,9 +210,7 @@ Continued continued_at(const WallCoordinates& c, std::int64_t v) {
 
 /// Continues the coordinates around the known voxels, layer by layer.
 void continue_layers(WallCoordinates& c, int layers) {
-  std::vector<std::int64_t> front;
-  for (std::size_t v = 0; v < c.known.voxels.size(); ++v)
-    if (c.known.voxels[v]) front.push_back(static_cast<std::int64_t>(v));
+  auto front = known_voxels(c.known);
   for (int layer = 0; layer < layers; ++layer) {
     front = unknown_around(c.known, front);
     std::vector<Continued> values(front.size());

@@ -188,9 +188,12 @@ LevelSet signed_distance(const Mask& mask, double sigma_voxels) {
   const auto half = static_cast<float>(mask.grid.spacing_mm.x / 2);
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
     outside.voxels[v] = mask.voxels[v] ? half - inside.voxels[v] : outside.voxels[v] - half;
-  if (sigma_voxels <= 0) return outside;
+  return sigma_voxels <= 0 ? outside : smoothed_level_set(outside, sigma_voxels);
+}
+
+LevelSet smoothed_level_set(const LevelSet& surface, double sigma_voxels) {
   // A Gaussian moves a surface of mean curvature H by sigma^2 H; 2 G - G^2 does not, to second order.
-  LevelSet once = smoothed(outside, sigma_voxels);
+  LevelSet once = smoothed(surface, sigma_voxels);
   const LevelSet twice = smoothed(once, sigma_voxels);
   for (std::size_t v = 0; v < once.voxels.size(); ++v) once.voxels[v] = 2 * once.voxels[v] - twice.voxels[v];
   return once;

@@ -19,6 +19,9 @@ Volume<float> smoothed(const Volume<float>& volume, const Vec3& sigma_voxels);
 /// smoothed by `sigma_voxels` without shrinking curved surfaces.
 LevelSet signed_distance(const Mask& mask, double sigma_voxels);
 
+/// A level set smoothed by a Gaussian in the same way, without shrinking curved surfaces.
+LevelSet smoothed_level_set(const LevelSet& surface, double sigma_voxels);
+
 /// 1 where `inside` says so of the voxel's value.
 Mask mask_where(const Volume<std::uint8_t>& volume, const std::function<bool(std::uint8_t)>& inside);
 

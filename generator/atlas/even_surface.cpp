@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "generator/atlas/distance_map.hpp"
+#include "generator/parallel/threads.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -54,17 +55,35 @@ double noise_mm(const Volume<float>& detail_mm, const std::vector<std::size_t>& 
   return double{*half} / normal_median;
 }
 
-/// Which share of the details around is more than noise; 0 far from the surface.
+/// Cubes of voxels: statistics over a window need no grid finer than a part of it.
+struct Blocks {
+  Grid grid;
+  std::int64_t voxels = 1;  ///< along an edge
+};
+
+/// As large as the window's standard deviation, whole voxels.
+Blocks blocks_of(const Grid& grid, double window_voxels) {
+  Blocks blocks{grid, std::max<std::int64_t>(1, static_cast<std::int64_t>(window_voxels))};
+  for (auto& n : blocks.grid.size) n = (n + blocks.voxels - 1) / blocks.voxels;
+  return blocks;
+}
+
+/// Which share of the details around is more than noise, per block; 0 far from the surface.
 Volume<float> gains(const Volume<float>& detail_mm, const std::vector<std::size_t>& on_surface, double noise,
-                    double window_voxels) {
+                    const Blocks& blocks, double window_voxels) {
   constexpr float least_weight = 1e-6F;
-  Volume<float> squares(detail_mm.grid), weight(detail_mm.grid);
+  const Grid& g = detail_mm.grid;
+  Volume<float> squares(blocks.grid), weight(blocks.grid);
   for (const auto v : on_surface) {
-    squares.voxels[v] = detail_mm.voxels[v] * detail_mm.voxels[v];
-    weight.voxels[v] = 1;
+    const auto n = static_cast<std::int64_t>(v), b = blocks.voxels;
+    const auto block = static_cast<std::size_t>(
+        blocks.grid.offset(n % g.size[0] / b, n / g.size[0] % g.size[1] / b, n / (g.size[0] * g.size[1]) / b));
+    squares.voxels[block] += detail_mm.voxels[v] * detail_mm.voxels[v];
+    weight.voxels[block] += 1;
   }
-  squares = smoothed(squares, window_voxels);
-  weight = smoothed(weight, window_voxels);
+  const double window_blocks = window_voxels / static_cast<double>(blocks.voxels);
+  squares = smoothed(squares, window_blocks);
+  weight = smoothed(weight, window_blocks);
   const auto chance = static_cast<float>(significant * noise * noise);
   for (std::size_t v = 0; v < weight.voxels.size(); ++v) {
     const float square = weight.voxels[v] > least_weight ? squares.voxels[v] / weight.voxels[v] : 0;
@@ -73,12 +92,61 @@ Volume<float> gains(const Volume<float>& detail_mm, const std::vector<std::size_
   return squares;
 }
 
+/// Where a line of voxels lies between the centres of blocks along one axis.
+struct BetweenBlocks {
+  std::vector<std::int64_t> low, high;
+  std::vector<float> share;  ///< of `high`
+};
+
+BetweenBlocks between_blocks(std::int64_t voxels, const Blocks& blocks, std::size_t axis) {
+  BetweenBlocks between;
+  const std::int64_t last = blocks.grid.size[axis] - 1;
+  for (std::int64_t i = 0; i < voxels; ++i) {
+    const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(blocks.voxels) - 0.5;
+    const auto low = static_cast<std::int64_t>(std::floor(at));
+    between.low.push_back(std::clamp<std::int64_t>(low, 0, last));
+    between.high.push_back(std::clamp<std::int64_t>(low + 1, 0, last));
+    between.share.push_back(static_cast<float>(at - static_cast<double>(low)));
+  }
+  return between;
+}
+
+float mixed(float low, float high, float share) { return low + share * (high - low); }
+
+/// Takes the details away that are noise.
+void take_away(const Volume<float>& detail, const Volume<float>& gain, const Blocks& blocks, LevelSet& from) {
+  const Grid& g = from.grid;
+  const auto x = between_blocks(g.size[0], blocks, 0), y = between_blocks(g.size[1], blocks, 1),
+             z = between_blocks(g.size[2], blocks, 2);
+  parallel::parallel_for(0, g.size[2], [&](std::int64_t begin, std::int64_t end) {
+    std::vector<float> row(static_cast<std::size_t>(blocks.grid.size[0]));
+    for (std::int64_t k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < g.size[1]; ++j) {
+        const auto kn = static_cast<std::size_t>(k), jn = static_cast<std::size_t>(j);
+        for (std::int64_t i = 0; i < blocks.grid.size[0]; ++i) {
+          const float low = mixed(gain(i, y.low[jn], z.low[kn]), gain(i, y.high[jn], z.low[kn]), y.share[jn]);
+          const float high = mixed(gain(i, y.low[jn], z.high[kn]), gain(i, y.high[jn], z.high[kn]), y.share[jn]);
+          row[static_cast<std::size_t>(i)] = mixed(low, high, z.share[kn]);
+        }
+        for (std::int64_t i = 0; i < g.size[0]; ++i) {
+          const auto n = static_cast<std::size_t>(i);
+          const float low = row[static_cast<std::size_t>(x.low[n])], high = row[static_cast<std::size_t>(x.high[n])];
+          from(i, j, k) -= (1 - mixed(low, high, x.share[n])) * detail(i, j, k);
+        }
+      }
+  });
+}
+
 }  // namespace
 
 LevelSet even_surface(const Mask& inside, const Mask& own, double step_voxels) {
-  const double spacing_mm = inside.grid.spacing_mm.x;
+  return even_surface(signed_distance(inside, 0), own, step_voxels);
+}
+
+LevelSet even_surface(const LevelSet& surface, const Mask& own, double step_voxels) {
+  const double spacing_mm = surface.grid.spacing_mm.x;
   double sigma_voxels = std::min(finest_steps * step_voxels, coarsest_mm / spacing_mm);
-  LevelSet once = smoothed(signed_distance(inside, 0), sigma_voxels), twice = smoothed(once, sigma_voxels);
+  LevelSet once = smoothed(surface, sigma_voxels), twice = smoothed(once, sigma_voxels);
   LevelSet detail = unbiased(std::move(once), twice), result = detail;
   OnSurface on;
   double last_noise = std::numeric_limits<double>::infinity(), growth = most_growth;
@@ -93,8 +161,8 @@ LevelSet even_surface(const Mask& inside, const Mask& own, double step_voxels) {
     const double noise = std::min(noise_mm(detail, on.own), growth * last_noise);
     if (std::isfinite(last_noise) && last_noise > 0) growth = std::min(growth, noise / last_noise);
     last_noise = noise;
-    const auto gain = gains(detail, on.all, noise, sigma_voxels);
-    for (std::size_t v = 0; v < result.voxels.size(); ++v) result.voxels[v] -= (1 - gain.voxels[v]) * detail.voxels[v];
+    const Blocks blocks = blocks_of(result.grid, sigma_voxels);
+    take_away(detail, gains(detail, on.all, noise, blocks, sigma_voxels), blocks, result);
     detail = std::move(coarser);
   }
   return result;

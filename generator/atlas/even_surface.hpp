@@ -15,4 +15,7 @@ namespace heart::atlas {
 /// `inside` comes from. On a grid with isotropic spacing.
 LevelSet even_surface(const Mask& inside, const Mask& own, double step_voxels);
 
+/// The same of a surface whose distance is known, as `step_voxels` coarse labels have it.
+LevelSet even_surface(const LevelSet& surface, const Mask& own, double step_voxels);
+
 }  // namespace heart::atlas

@@ -43,9 +43,9 @@ std::vector<std::uint8_t> values_of(const LabelVolume& labels) {
   return values;
 }
 
-/// Where `share` of a label is larger than what was there before, the label takes its place.
-void keep_larger(const Volume<float>& share, std::uint8_t label, Volume<float>& largest, LabelVolume& result) {
-  const Grid& grid = result.grid;
+/// By linear interpolation; 0 beyond.
+Volume<float> sampled_on(const Volume<float>& share, const Grid& grid) {
+  Volume<float> result(grid);
   parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t k = begin; k < end; ++k)
       for (std::int64_t j = 0; j < grid.size[1]; ++j)
@@ -53,13 +53,11 @@ void keep_larger(const Volume<float>& share, std::uint8_t label, Volume<float>& 
           const Vec3 at = index_from_lps(
               share.grid,
               lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
-          if (!share.grid.contains(std::llround(at.x), std::llround(at.y), std::llround(at.z))) continue;
-          const auto value = static_cast<float>(sample_linear(share, at));
-          if (value <= largest(i, j, k)) continue;
-          largest(i, j, k) = value;
-          result(i, j, k) = label;
+          if (share.grid.contains(std::llround(at.x), std::llround(at.y), std::llround(at.z)))
+            result(i, j, k) = static_cast<float>(sample_linear(share, at));
         }
   });
+  return result;
 }
 
 }  // namespace
@@ -95,19 +93,35 @@ Grid isotropic_grid_around(const LabelVolume& labels, const std::function<bool(s
   return grid;
 }
 
-LabelVolume resampled(const LabelVolume& labels, const Grid& grid) {
+std::map<std::uint8_t, Volume<float>> shares_on(const LabelVolume& labels, const Grid& grid) {
   const std::int64_t margin = std::llround(std::ceil(4 * smoothing_voxels));
   const LabelVolume near = crop(labels, box_around(labels.grid, grid, margin));
   Vec3 sigma_voxels;
   for (int axis = 0; axis < 3; ++axis)
     sigma_voxels[axis] = labels.grid.spacing_mm[axis] > coarser * grid.spacing_mm.x ? 0 : smoothing_voxels;
-  LabelVolume result(grid);
-  Volume<float> largest(grid), share(near.grid);
+  std::map<std::uint8_t, Volume<float>> shares;
+  Volume<float> share(near.grid);
   for (const auto value : values_of(near)) {
     for (std::size_t v = 0; v < near.voxels.size(); ++v) share.voxels[v] = near.voxels[v] == value ? 1.0F : 0.0F;
-    keep_larger(smoothed(share, sigma_voxels), value, largest, result);
+    shares.emplace(value, sampled_on(smoothed(share, sigma_voxels), grid));
   }
+  return shares;
+}
+
+LabelVolume largest_share(const std::map<std::uint8_t, Volume<float>>& shares, const Grid& grid) {
+  LabelVolume result(grid);
+  Volume<float> largest(grid);
+  for (const auto& [label, share] : shares)
+    for (std::size_t v = 0; v < largest.voxels.size(); ++v) {
+      if (share.voxels[v] <= largest.voxels[v]) continue;
+      largest.voxels[v] = share.voxels[v];
+      result.voxels[v] = label;
+    }
   return result;
+}
+
+LabelVolume resampled(const LabelVolume& labels, const Grid& grid) {
+  return largest_share(shares_on(labels, grid), grid);
 }
 
 }  // namespace heart::atlas

@@ -1,6 +1,7 @@
 // Label maps of any spacing and direction on isotropic grids along LPS axes.
 #pragma once
 #include <functional>
+#include <map>
 
 #include "model/volume.hpp"
 
@@ -18,5 +19,11 @@ Grid isotropic_grid_around(const LabelVolume& labels, const std::function<bool(s
 /// smoothing the steps of the labels would beat with the grid: waves of half a voxel that are many voxels long, which
 /// no later smoothing takes away. Not collective.
 LabelVolume resampled(const LabelVolume& labels, const Grid& grid);
+
+/// The shares themselves, per label that is near.
+std::map<std::uint8_t, Volume<float>> shares_on(const LabelVolume& labels, const Grid& grid);
+
+/// The first label with the largest share at each voxel of `grid`; 0 where all are 0.
+LabelVolume largest_share(const std::map<std::uint8_t, Volume<float>>& shares, const Grid& grid);
 
 }  // namespace heart::atlas

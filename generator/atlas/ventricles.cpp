@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <optional>
 
@@ -142,6 +143,18 @@ Volume<std::uint8_t> parts_of_labels(const LabelVolume& labels) {
   Volume<std::uint8_t> parts(labels.grid);
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) parts.voxels[v] = part_of_region(labels.voxels[v]);
   return parts;
+}
+
+PartShares part_shares(const std::map<std::uint8_t, Volume<float>>& of_parts, const Grid& grid) {
+  const auto sum_of = [&](std::initializer_list<Part> parts) {
+    Volume<float> sum(grid);
+    for (const Part part : parts)
+      if (const auto share = of_parts.find(tag(part)); share != of_parts.end())
+        for (std::size_t v = 0; v < sum.voxels.size(); ++v) sum.voxels[v] += share->second.voxels[v];
+    return sum;
+  };
+  return {sum_of({Part::lv_cavity}), sum_of({Part::rv_cavity}), sum_of({Part::lv_wall, Part::lv_cavity}),
+          sum_of({Part::lv_wall, Part::lv_cavity, Part::rv_wall, Part::rv_cavity})};
 }
 
 /// Direction of the left ventricle's largest extent, from the blood's side (base) to the wall's side (apex).
@@ -293,7 +306,9 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   const Vec3& voxel = labels.grid.spacing_mm;
   Ventricles result;
   result.label_spacing_mm = std::cbrt(voxel.x * voxel.y * voxel.z);
-  result.parts = resampled(parts_of_labels(papillary_as_blood(labels)), grid);
+  const auto shares = shares_on(parts_of_labels(papillary_as_blood(labels)), grid);
+  result.parts = largest_share(shares, grid);
+  result.shares = part_shares(shares, grid);
   if (atria) {
     const auto openings = openings_of(labels, landmarks);
     close_base(result.parts, openings);

@@ -37,9 +37,18 @@ struct Plane {
   Vec3 point_mm, normal;  ///< unit, to the apex
 };
 
+/// How much of each voxel's surroundings the labels give to some parts, 0 to 1: where surfaces run between two voxels.
+/// Empty where only the parts are known.
+struct PartShares {
+  Volume<float> lv_cavity, rv_cavity;
+  Volume<float> left;  ///< wall and cavity of the left ventricle
+  Volume<float> both;  ///< walls and cavities of both
+};
+
 struct Ventricles {
   Volume<std::uint8_t> parts;  ///< tags of Part; isotropic, identity direction; goes on above the base, so that walls
                                ///< end there neither at an endocardium nor at an epicardium
+  PartShares shares;           ///< of the labels, before anything was made up
   HeartFrame frame;
   Mask trabeculae;  ///< 1 where a voxel of a cavity is a ridge of its wall; empty where labels are too coarse for them
   Volume<std::uint8_t> beyond;  ///< lv_cavity or rv_cavity where blood beyond a valve goes on through its orifice, else

@@ -10,15 +10,16 @@
 
 namespace heart::fibers {
 
-/// Where a point lies in a wall, scaled so that a distance of 1 means "as near as a neighbour should be".
+/// Where a point lies in a wall, scaled so that a distance of 1 means "as near as a neighbour should be": three numbers
+/// of its place, then its depth.
 using WallFeature = std::array<double, 4>;
 
 /// By place: position in the atlas's frame (in units of 2.5 mm) and depth (0.06).
 WallFeature place_feature(const Vec3& atlas_mm, double depth);
 Vec3 place_of(const WallFeature& place);  ///< atlas_mm of a place_feature
 
-/// By coordinates: depth (0.06), height along the long axis as a share of the heart's length (0.05), and the angle
-/// around `center_mm` (0.15 rad); comparable between hearts without a registration.
+/// By coordinates: height along the long axis as a share of the heart's length (0.05), the angle around `center_mm`
+/// (0.15 rad), and depth (0.06); comparable between hearts without a registration.
 WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
                                double depth);
 
@@ -38,7 +39,8 @@ struct AngleQuery {
 std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features);
 
 /// Dyad of a unit axis per query, in the patient's frame: linear regression of the samples' tensors on the 48 nearest
-/// features. `samples` must not be empty. The same bits for any number of threads.
+/// features; a query farther from all samples is looked up at their border, at its own depth. `samples` must not be
+/// empty. The same bits for any number of threads.
 std::vector<atlas::AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries);
 
 }  // namespace heart::fibers

@@ -1,0 +1,79 @@
+// An atlas that ends otherwise than the patient where the ventricles' walls meet.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/phantom/phantom.hpp"
+#include "generator/atlas/distance_map.hpp"
+#include "generator/atlas/resample.hpp"
+#include "generator/fibers/hearts.hpp"
+#include "generator/parallel/threads.hpp"
+#include "model/labels.hpp"
+#include "support/model_heart.hpp"
+
+namespace heart {
+namespace {
+
+constexpr double spacing_mm = 1.6;
+
+LabelVolume labels_of(const datasets::HeartModel& model, const Landmarks& marks) {
+  constexpr double half_mm = 90;
+  Grid grid;
+  grid.size.fill(static_cast<std::int64_t>(2 * half_mm / spacing_mm));
+  grid.spacing_mm = {spacing_mm, spacing_mm, spacing_mm};
+  grid.origin_mm =
+      0.5 * (marks.seeds_mm.at("lv_blood") + marks.seeds_mm.at("rv_blood")) - Vec3{half_mm, half_mm, half_mm};
+  LabelVolume labels(grid);
+  parallel::parallel_for(0, grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v)
+      labels.voxels[static_cast<std::size_t>(v)] = tag(datasets::region_at(model, atlas::voxel_center(grid, v)));
+  });
+  return labels;
+}
+
+/// The right wall's voxels so far from the left one, in mm.
+std::vector<Vec3> right_wall_between(const LabelVolume& labels, double from_mm, double to_mm) {
+  const auto to_left =
+      atlas::distance_to(atlas::mask_where(labels, [](auto v) { return v == tag(Region::lv_myocardium); }));
+  std::vector<Vec3> points;
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+    if (labels.voxels[v] == tag(Region::rv_myocardium) && to_left.voxels[v] >= from_mm && to_left.voxels[v] < to_mm)
+      points.push_back(atlas::voxel_center(labels.grid, static_cast<std::int64_t>(v)));
+  return points;
+}
+
+TEST(Junction, AnAtlasThatBendsIntoTheJunctionTurnsNoFibersOfAPatientWhoseWallDoesNot) {
+  const auto model = datasets::make_heart_model(3);
+  const auto marks = datasets::landmarks_of(model);
+  const auto labels = labels_of(model, marks);
+  const auto mesh = datasets::make_standin_atlas();
+  FiberSettings settings;
+  settings.depth_grid_mm = settings.grid_mm = spacing_mm;
+  const auto hearts = fibers::prepare_hearts(
+      labels, marks,
+      atlas::image_of_atlas(atlas::make_fiber_atlas("stand-in", mesh.nodes_mm, mesh.cells, mesh.node_fibers.fiber),
+                            spacing_mm),
+      "stand-in", settings);
+  const auto points = right_wall_between(labels, 4, 12);
+  auto walls = fibers::point_walls(hearts, points, std::vector<std::uint8_t>(points.size(), 1));
+  // What coarse labels do to the patient's depth is another matter.
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (const double depth = datasets::depth_at(model, points[n]); !std::isnan(depth)) walls.rv[n].depth = depth;
+  const auto carried =
+      fibers::carried_axes(hearts, walls, points, fibers::atlas_positions(hearts, points), "local_angles");
+  double sum_deg = 0, count = 0;
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const Vec3 known = datasets::fiber_at(model, points[n]);
+    if (norm(known) < 0.5 || trace(carried[n]) <= 0) continue;
+    sum_deg += testing::axis_angle_deg(known, atlas::leading_axis(carried[n]));
+    ++count;
+  }
+  EXPECT_GT(count, 1000);
+  // 6.2 where places beyond the samples are not looked up at their border, 8.6 where samples end nearer to the
+  // junction.
+  EXPECT_LT(sum_deg / count, 6);
+}
+
+}  // namespace
+}  // namespace heart

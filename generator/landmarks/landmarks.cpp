@@ -140,9 +140,28 @@ void refuse_upside_down(const std::map<std::string, ValvePatch>& valves) {
                   "planes by hand");
 }
 
-}  // namespace
+/// Whether the image ends in air of one value, which no scanner measures: something was put around it.
+bool is_padded(const CtVolume& ct) {
+  constexpr int air_hu = -1000;
+  const auto& size = ct.grid.size;
+  const auto value = ct.voxels.front();
+  if (value > air_hu) return false;
+  const auto side_is_even = [&](std::size_t axis, std::int64_t at) {
+    Index3 from{0, 0, 0}, to = size;
+    from[axis] = at;
+    to[axis] = at + 1;
+    for (auto k = from[2]; k < to[2]; ++k)
+      for (auto j = from[1]; j < to[1]; ++j)
+        for (auto i = from[0]; i < to[0]; ++i)
+          if (ct(i, j, k) != value) return false;
+    return true;
+  };
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    if (side_is_even(axis, 0) && side_is_even(axis, size[axis] - 1)) return true;
+  return false;
+}
 
-SearchResult search(const CtVolume& ct) {
+SearchResult search_in(const CtVolume& ct) {
   segment::require_hounsfield(ct);
   const WorkingImage whole = make_working_image(ct);
   const auto coarse = thinned(whole.smooth, coarse_step);
@@ -166,6 +185,19 @@ SearchResult search(const CtVolume& ct) {
       found);
   result.chambers = chambers.labels;
   return result;
+}
+
+}  // namespace
+
+SearchResult search(const CtVolume& ct) {
+  try {
+    return search_in(ct);
+  } catch (const UserError& error) {
+    if (!is_padded(ct)) throw;
+    throw UserError(error.problem, error.where,
+                    "the image is padded with " + std::to_string(ct.voxels.front()) +
+                        " HU, into which cut lungs open: crop it to what was measured; else " + error.remedy);
+  }
 }
 
 FoundLandmarks find_landmarks(const CtVolume& ct) { return search(ct).found; }

@@ -299,6 +299,22 @@ TEST_F(StagesByHand, MirroredHeartsAreRefusedBeforeTheyAreMeshed) {
   }
 }
 
+TEST_F(StagesByHand, WhatCanHardlyBeAHeartIsRefused) {
+  const auto phantom =
+      testing::heartgen("phantom turned --variant 12 --size 128,128,100 --spacing 2.2,2.2,2.6", folder());
+  ASSERT_EQ(phantom.exit_code, 0) << phantom.errors;
+  auto ct = adapters::read_ct(folder() + "/turned/ct.nii.gz");
+  for (int axis = 0; axis < 2; ++axis) {  // prone, without a word of it in the header
+    ct.grid.direction[axis] = -1 * ct.grid.direction[axis];
+    ct.grid.origin_mm[axis] = -ct.grid.origin_mm[axis];
+  }
+  adapters::write_volume(folder() + "/turned.nrrd", ct);
+  std::ofstream(folder() + "/turned.toml") << quick;
+  const auto refused = testing::heartgen("build turned.toml --ct turned.nrrd --output none --no-cache", folder());
+  EXPECT_EQ(refused.exit_code, 2) << refused.errors;
+  EXPECT_NE(refused.errors.find("can hardly be a heart"), std::string::npos) << refused.errors;
+}
+
 TEST_F(StagesByHand, AFurtherResolutionHasTheRegionsSurfacesAndFibresOfTheMainMesh) {
   const std::string name = "myocardium_2.8mm";
   std::string recipe = quick;

@@ -161,6 +161,21 @@ TEST(FindLandmarks, ReportsAMirroredImage) {
   }
 }
 
+TEST(FindLandmarks, TellsOfPaddingWhereItFails) {
+  const CtVolume& image = phantom(0).ct;
+  CtVolume cut(image.grid, -1024);
+  const auto& size = image.grid.size;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 40; j < size[1] - 40; ++j)
+      for (std::int64_t i = 40; i < size[0] - 40; ++i) cut(i, j, k) = image(i, j, k);
+  try {
+    find_landmarks(cut);
+    ADD_FAILURE() << "found a heart where lungs run into the padding: this test needs another image";
+  } catch (const UserError& error) {
+    EXPECT_NE(error.message.find("padded with -1024 HU"), std::string::npos) << error.message;
+  }
+}
+
 TEST(FindLandmarks, RefusesSlicesInReverseOrder) {
   for (const int variant : {0, 7}) {
     CtVolume image = phantom(variant).ct;

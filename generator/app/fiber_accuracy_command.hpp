@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "model/recipe.hpp"
+
 namespace heart::app {
 
 struct FiberAccuracyCommand {
@@ -16,9 +18,11 @@ struct FiberAccuracyCommand {
   /// Frames and units that the atlas's file could be in: "plain", "turned" (40 degrees), "scaled" (0.8), "axes" (in
   /// another order), "metres", "all" of these, and "mirrored" (which is refused). Only for atlases that are meshes.
   std::vector<std::string> atlas_frames{"plain"};
-  std::vector<double> spacing_mm{1.2};  ///< of the patients' labels: one number, or one per axis
-  double depth_grid_mm = 0;  ///< spacing to which labels are resampled, as by a build (1 there); 0: the labels' finest
-  double mesh_edge_mm = 0;   ///< mesh the exact labels' walls with this edge and compare on nodes and cells too; 0: no
+  /// Of the patients' labels: one number, or one per axis. As a build has them at the thesis's size.
+  std::vector<double> spacing_mm{0.5, 0.5, 1.2};
+  /// Spacing to which labels are resampled, as a build does; 0: the labels' finest, on a grid of their own.
+  double depth_grid_mm = FiberSettings{}.depth_grid_mm;
+  double mesh_edge_mm = 0;  ///< mesh the exact labels' walls with this edge and compare on nodes and cells too; 0: no
   bool json = false;
 };
 

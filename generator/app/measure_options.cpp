@@ -36,10 +36,11 @@ void add_fiber_accuracy(Program& p) {
          "--atlas-frames", f.atlas_frames,
          "plain, turned, scaled, axes, metres, all, mirrored: the atlas's file in other frames (default plain)")
       ->delimiter(',');
-  sub->add_option("--label-spacing", f.spacing_mm, "of the labels, mm: one number or X,Y,Z (default 1.2)")
+  sub->add_option("--label-spacing", f.spacing_mm, "of the labels, mm: one number or X,Y,Z (default 0.5,0.5,1.2)")
       ->delimiter(',');
   sub->add_option("--depth-grid", f.depth_grid_mm,
-                  "mm to which labels are resampled; a build takes 1 (default: the labels' finest spacing)");
+                  "mm to which labels are resampled (default 1, as in a build; 0: the labels' finest spacing: with "
+                  "--label-spacing 1.2, labels on a grid of their own)");
   sub->add_option("--mesh-edge", f.mesh_edge_mm, "also at nodes and cells of a mesh with this edge, mm");
   sub->add_flag("--json", f.json, "print as JSON");
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "generator/app/fiber_accuracy_command.hpp"
 #include "generator/atlas/distance_map.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -56,6 +57,12 @@ TEST(FiberCases, TheSameSeedMovesTheSameWay) {
   EXPECT_EQ(first.labels.voxels, again.labels.voxels);
   const auto other = app::uneven_labels(first.model, first.landmarks, coarse_mm, 2);
   EXPECT_NE(first.labels.voxels, other.voxels);
+}
+
+TEST(FiberCases, FibersAreMeasuredAsABuildCarriesThem) {
+  const app::FiberAccuracyCommand usual;
+  EXPECT_EQ(usual.depth_grid_mm, FiberSettings{}.depth_grid_mm);
+  EXPECT_EQ(usual.spacing_mm, (std::vector{0.5, 0.5, 1.2}));  // the thesis's CT
 }
 
 TEST(FiberCases, OtherNamesAreRefused) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 
@@ -21,6 +22,7 @@
 #include "generator/segment/hierarchy.hpp"
 #include "generator/segment/seeds.hpp"
 #include "model/error.hpp"
+#include "model/labels.hpp"
 
 namespace heart::app {
 namespace {
@@ -119,6 +121,29 @@ void check_inputs(const Recipe& recipe) {
 void check_seeds_inside(const Grid& grid, const Landmarks& landmarks) {
   for (const auto& [name, p] : landmarks.seeds_mm)
     if (name != "carotid") segment::seed_voxel(grid, name, p);
+}
+
+void refuse_cut_ventricles(const LabelVolume& labels) {
+  constexpr double most_cm2 = 3, mm2_per_cm2 = 100;  // a whole section: 15 and more
+  const auto& size = labels.grid.size;
+  const Vec3& s = labels.grid.spacing_mm;
+  const std::array<double, 3> face_mm2{s.y * s.z, s.x * s.z, s.x * s.y};
+  double cut_mm2 = 0;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
+        const auto region = static_cast<Region>(labels.voxels[v]);
+        if (region != Region::lv_myocardium && region != Region::rv_myocardium && region != Region::lv_blood &&
+            region != Region::rv_blood && region != Region::papillary)
+          continue;
+        const Index3 at{i, j, k};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          if (at[axis] == 0 || at[axis] + 1 == size[axis]) cut_mm2 += face_mm2[axis];
+      }
+  if (cut_mm2 > most_cm2 * mm2_per_cm2)
+    throw UserError(fmt::format("the field of view cuts the ventricles, over {:.0f} cm2", cut_mm2 / mm2_per_cm2), "CT",
+                    "use a scan that shows the whole heart, or give labels of it");
 }
 
 void refuse_mirrored_heart(const LabelVolume& labels, const Landmarks& landmarks) {

@@ -21,6 +21,10 @@ void check_edges(const MeshSettings& settings);
 /// carotid's seed belongs to its own angiogram and is not looked at.
 void check_seeds_inside(const Grid& grid, const Landmarks& landmarks);
 
+/// Throws UserError where more than the tip of the ventricles lies beyond the image: muscle and blood that were found
+/// in the CT end at its border.
+void refuse_cut_ventricles(const LabelVolume& labels);
+
 /// Throws UserError where the labels' heart is the mirror image of a heart, to which the fibre stage could not carry an
 /// atlas. Found on a coarse grid, before the meshing; what cannot be seen there is left to that stage.
 void refuse_mirrored_heart(const LabelVolume& labels, const Landmarks& landmarks);

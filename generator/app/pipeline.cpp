@@ -313,6 +313,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   parallel::run_on_root(comm, [&] {
     refuse_empty_regions(*heart, recipe);
     check_memory(*heart, recipe.mesh, machine_memory_bytes());
+    if (known.missing.chambers && !run.files.replaced_by.contains("chambers")) refuse_cut_ventricles(*heart);
     refuse_mirrored_heart(*heart, recipe.landmarks);
     settle_replacements(run, recipe.replace, inputs, remarks);
   });

@@ -1,0 +1,39 @@
+#include "generator/app/check_inputs.hpp"
+
+#include <gtest/gtest.h>
+
+#include "model/labels.hpp"
+#include "support/files.hpp"
+
+namespace heart::app {
+namespace {
+
+/// A column of blood in muscle, 24 mm wide, whose ends lie `gap` voxels from the ends of the image.
+LabelVolume column(std::int64_t gap) {
+  Grid grid;
+  grid.size = {40, 40, 40};
+  grid.spacing_mm = {2, 2, 2};
+  LabelVolume labels(grid, tag(Region::torso));
+  for (std::int64_t k = gap; k < 40 - gap; ++k)
+    for (std::int64_t j = 14; j < 26; ++j)
+      for (std::int64_t i = 14; i < 26; ++i) {
+        const bool inside = i > 16 && i < 23 && j > 16 && j < 23;
+        labels(i, j, k) = tag(inside ? Region::lv_blood : Region::lv_myocardium);
+      }
+  return labels;
+}
+
+TEST(CutVentricles, AreRefusedWhereMoreThanTheirTipIsMissing) {
+  refuse_cut_ventricles(column(1));
+  const auto message = testing::error_of([] { refuse_cut_ventricles(column(0)); });
+  EXPECT_NE(message.find("over 12 cm2"), std::string::npos) << message;
+  LabelVolume tip = column(1);
+  for (std::int64_t j = 16; j < 20; ++j)
+    for (std::int64_t i = 16; i < 20; ++i) tip(i, j, 0) = tag(Region::lv_myocardium);
+  refuse_cut_ventricles(tip);
+  LabelVolume aorta(tip.grid, tag(Region::aorta));  // vessels and atria may well leave the image
+  refuse_cut_ventricles(aorta);
+}
+
+}  // namespace
+}  // namespace heart::app

@@ -179,10 +179,13 @@ namespace {
 // Corners (bits 0-3), edges (4-9) and faces (10-13) of a tetrahedron, by their places in the cell.
 constexpr std::array<std::array<std::size_t, 2>, 6> edge_ends{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
+// Five walls and chambers meet where atria, ventricles and a great vessel do; every set of them is looked at.
+constexpr std::size_t most_labels = 6;
+
 /// What the other cells around a cell share with it, per label: which of its corners, edges and faces.
 struct Contacts {
-  std::array<int, 4> labels{};  // of the neighbours
-  std::array<std::uint32_t, 4> parts{};
+  std::array<int, most_labels> labels{};  // of the neighbours
+  std::array<std::uint32_t, most_labels> parts{};
   std::size_t count = 0;
 };
 
@@ -197,7 +200,7 @@ std::uint32_t shared_parts(const Cell& cell, const Cell& other) {
   return parts;
 }
 
-// Empty where more labels than four meet.
+// Empty where more labels meet than there is room for.
 Contacts contacts_of(const Complex& c, std::int32_t id) {
   Contacts contacts;
   const Cell cell = c.cell(id);

@@ -29,9 +29,8 @@ using Triangle = std::array<Vec3, 3>;
 
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(b - a, cross(c - a, d - a)); }
 
-bool goes_through(const Vec3& from, const Vec3& to, const Triangle& t) {
-  const double at_from = volume(t[0], t[1], t[2], from), at_to = volume(t[0], t[1], t[2], to);
-  if ((at_from > 0 && at_to > 0) || (at_from < 0 && at_to < 0)) return false;
+// Whether the line through two places on either side of a triangle's plane goes through the triangle.
+bool line_goes_through(const Vec3& from, const Vec3& to, const Triangle& t) {
   const double a = volume(from, to, t[0], t[1]), b = volume(from, to, t[1], t[2]), c = volume(from, to, t[2], t[0]);
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
@@ -50,13 +49,18 @@ bool shares_edge(const Face& a, const Face& b) {
   return shared > 1;
 }
 
-// Whether an edge of `a` that has no node of `b` goes through `b`.
+// Whether an edge of `a` that has no node of `b` goes through `b`. Most faces lie on one side of the other's plane.
 bool pierces(const Faces& all, const Face& a, const Face& b) {
   const Triangle t{all.at(b[0]), all.at(b[1]), all.at(b[2])};
+  const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+  std::array<double, 3> side;
+  for (std::size_t i = 0; i < 3; ++i) side[i] = dot(normal, all.at(a[i]) - t[0]);
   const auto is_shared = [&](std::int32_t n) { return n == b[0] || n == b[1] || n == b[2]; };
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto from = a[i], to = a[(i + 1) % 3];
-    if (!is_shared(from) && !is_shared(to) && goes_through(all.at(from), all.at(to), t)) return true;
+    const std::size_t next = (i + 1) % 3;
+    const bool one_side = (side[i] > 0 && side[next] > 0) || (side[i] < 0 && side[next] < 0);
+    if (!one_side && !is_shared(a[i]) && !is_shared(a[next]) && line_goes_through(all.at(a[i]), all.at(a[next]), t))
+      return true;
   }
   return false;
 }

@@ -6,6 +6,7 @@
 
 #include "generator/lattice/balance.hpp"
 #include "generator/lattice/draw.hpp"
+#include "generator/lattice/ease.hpp"
 #include "generator/lattice/fit.hpp"
 #include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
@@ -126,6 +127,8 @@ Attempt attempt(const Task& task, double reach) {
   watch.note("balance");
   const auto too_bad = lattice::rescue(made.complex, materials, task.repairing, task.aims.enough);
   watch.note("rescue");
+  lattice::ease_faces(made.complex, materials, task.repairing.least, task.aims.fitted);
+  watch.note("ease");
   if (too_bad == 0) fit(made, task);
   separate(made, task);
   return made;

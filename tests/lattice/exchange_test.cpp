@@ -1,0 +1,86 @@
+// Exchanges where many materials meet.
+#include "generator/lattice/exchange.hpp"
+
+#include <gtest/gtest.h>
+
+#include "generator/lattice/ring.hpp"
+#include "lattice/shapes.hpp"
+
+namespace {
+
+using namespace heart;
+using namespace heart::testing;
+
+/// A cell inside a ball of cells, as the tip of material 1 that sticks into material 2: beyond its first face lies
+/// more of material 1, and at each of that face's edges a wedge of a material of its own parts the two.
+struct Tip {
+  Complex complex;
+  std::int32_t cell = -1;
+};
+
+bool is_deep_inside(const Complex& c, std::int32_t id) {
+  for (const auto n : c.cell(id))
+    for (const auto t : c.star(n))
+      for (const auto other : c.cell(t))
+        if (norm(c.at(other)) > 4) return false;
+  return true;
+}
+
+// Whether the ring around each edge of the cell's first face has a cell that touches neither the apex nor that face.
+bool place_wedges(Complex& c, std::int32_t id, int wedges) {
+  const Cell cell = c.cell(id);
+  const auto beyond = lattice::cells_at_face(c, cell[1], cell[2], cell[3]);
+  for (int w = 0; w < wedges; ++w) {
+    const auto a = cell[1 + static_cast<std::size_t>(w)], b = cell[1 + static_cast<std::size_t>(w + 1) % 3];
+    const auto ring = lattice::ring_around(c, a, b);
+    std::int32_t found = -1;
+    for (std::size_t i = 0; i < ring.size; ++i) {
+      const auto t = ring.cells[i];
+      if (t != beyond[0] && t != beyond[1] && !lattice::has(c.cell(t), cell[0])) found = t;
+    }
+    if (found < 0) return false;
+    c.label[static_cast<std::size_t>(found)] = static_cast<std::uint8_t>(3 + w);
+  }
+  for (const auto t : beyond) c.label[static_cast<std::size_t>(t)] = 1;
+  return true;
+}
+
+Tip tip_between(int wedges) {
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 6, 1);
+  Tip tip{lattice::stuff(m, {})};
+  auto& c = tip.complex;
+  lattice::derive_touches(c);
+  lattice::compress(c);
+  for (std::int32_t t = 0; t < static_cast<std::int32_t>(c.cells.size()) && tip.cell < 0; ++t) {
+    std::fill(c.label.begin(), c.label.end(), std::uint8_t{2});
+    if (is_deep_inside(c, t) && place_wedges(c, t, wedges)) tip.cell = t;
+  }
+  lattice::derive_touches(c);
+  return tip;
+}
+
+TEST(RelabelTip, FiveMaterialsMeet) {
+  for (int wedges = 0; wedges <= 3; ++wedges) {
+    auto [c, cell] = tip_between(wedges);
+    ASSERT_GE(cell, 0);
+    EXPECT_TRUE(lattice::relabel_tip(c, cell)) << 2 + wedges << " materials";
+    EXPECT_EQ(c.label_of(cell), 2);
+    for (const auto n : c.cell(cell)) EXPECT_NE(c.bits(n) & lattice::bit_of(2), 0U);
+    EXPECT_EQ(c.bits(c.cell(cell)[0]), lattice::bit_of(2)) << "the tip's own material is gone from its apex";
+  }
+}
+
+TEST(RelabelTip, NotWhereAMaterialWouldBeJoinedOrParted) {
+  auto [c, cell] = tip_between(3);
+  ASSERT_GE(cell, 0);
+  // The first wedge's material is also at the apex: together with material 1 it makes a ring through the cell.
+  for (const auto t : c.star(c.cell(cell)[0])) {
+    int shared = 0;
+    for (const auto n : c.cell(t)) shared += lattice::has(c.cell(cell), n) ? 1 : 0;
+    if (shared == 1) c.label[static_cast<std::size_t>(t)] = 3;
+  }
+  EXPECT_FALSE(lattice::relabel_tip(c, cell));
+  EXPECT_EQ(c.label_of(cell), 1);
+}
+
+}  // namespace

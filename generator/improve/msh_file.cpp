@@ -133,7 +133,7 @@ struct Reader {
     if (begin == std::string::npos) fail(*path, "has no section $MeshFormat");
     Values in{std::string_view(file).substr(begin + std::string_view("$MeshFormat").size()), path};
     in.line();
-    const std::string version(in.word());
+    std::string version(in.word());
     const bool is_binary = in.next<int>() != 0;
     const auto bytes = in.next<int>();
     if (!is_binary) {

@@ -30,7 +30,8 @@ bool wall_all_the_way(const HeartBand& heart, const Mask& ventricles, const Mask
   const double step_mm = std::min({spacing.x, spacing.y, spacing.z});
   Vec3 place{static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2])};
   Index3 at = from;
-  for (double left_mm = static_cast<double>(to_lv(at[0], at[1], at[2])); left_mm > step_mm; left_mm -= step_mm) {
+  const int steps = static_cast<int>(std::ceil(static_cast<double>(to_lv(at[0], at[1], at[2])) / step_mm)) - 1;
+  for (int step = 0; step < steps; ++step) {
     const Vec3 out = normalized(gradient(to_lv, at));
     for (int axis = 0; axis < 3; ++axis) {
       place[axis] -= step_mm * out[axis] / spacing[axis];

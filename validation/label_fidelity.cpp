@@ -359,6 +359,7 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
   const auto boundary = boundary_of_regions(mesh, faces);
   const std::set<std::int32_t> regions(mesh.region.begin(), mesh.region.end());
   std::vector<Face> triangles;
+  triangles.reserve(boundary.size());
   for (const auto& face : boundary) triangles.push_back(face.nodes);
   const auto tree = make_face_tree(mesh.nodes_mm, triangles);
   const auto crumb_ml = crumb_sizes(mesh);

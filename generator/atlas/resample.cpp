@@ -120,8 +120,4 @@ LabelVolume largest_share(const std::map<std::uint8_t, Volume<float>>& shares, c
   return result;
 }
 
-LabelVolume resampled(const LabelVolume& labels, const Grid& grid) {
-  return largest_share(shares_on(labels, grid), grid);
-}
-
 }  // namespace heart::atlas

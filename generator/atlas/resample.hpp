@@ -16,8 +16,8 @@ Grid isotropic_grid_around(const LabelVolume& labels, const std::function<bool(s
 
 /// How much of the surroundings of each voxel centre of `grid` every label that is near has, 0 to 1, by linear
 /// interpolation of shares that are smoothed over .7 voxels of the labels, along axes on which these are not clearly
-/// coarser than the grid; 0 outside. Without smoothing the steps of the labels would beat with the grid: waves of half a
-/// voxel that are many voxels long, which no later smoothing takes away. Not collective.
+/// coarser than the grid; 0 outside. Without smoothing the steps of the labels would beat with the grid: waves of half
+/// a voxel that are many voxels long, which no later smoothing takes away. Not collective.
 std::map<std::uint8_t, Volume<float>> shares_on(const LabelVolume& labels, const Grid& grid);
 
 /// The first label with the largest share at each voxel of `grid`; 0 where all are 0.

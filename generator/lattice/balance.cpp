@@ -23,20 +23,6 @@ constexpr double least_slant = 0.5;  // of the surface against the sides
 bool is_on_surface(LabelBits touches) { return std::popcount(touches & ~side_bits) == 2; }
 bool is_on_curve(LabelBits touches) { return std::popcount(touches & ~side_bits) > 2; }
 
-/// Signed distance (mm) of a point to the surface between two labels, to first order, and the normal there.
-struct Offset {
-  double distance = 0;
-  Vec3 normal;
-};
-
-Offset offset_at(const Materials& materials, LabelBits labels, const Vec3& point) {
-  constexpr double least_slope = 0.02;
-  const auto feature = feature_at(materials, labels, point);
-  const auto& e = feature.equations[0];
-  const double slope = std::max(norm(e.gradient), least_slope);
-  return {e.value / slope, e.gradient / slope};
-}
-
 /// What one round measures; all per node but `center`.
 struct Measures {
   std::vector<Offset> node;    // of nodes on surfaces

@@ -21,19 +21,6 @@ constexpr double far = 0.09;       // of a face's edges, its centre from the sur
 constexpr double near = 0.06;      // nothing is gained by less
 constexpr double farthest = 0.08;  // of the lattice's width: where balancing leaves nodes at most
 
-struct Surface {
-  double distance = 0;  // signed, mm, to first order
-  Vec3 normal;
-};
-
-Surface surface_at(const Materials& materials, LabelBits labels, const Vec3& point) {
-  constexpr double least_slope = 0.02;
-  const auto feature = feature_at(materials, labels, point);
-  const auto& e = feature.equations[0];
-  const double slope = std::max(norm(e.gradient), least_slope);
-  return {e.value / slope, e.gradient / slope};
-}
-
 double lack_of(double error) {
   const double beyond = std::max(0.0, error - near);
   return beyond * beyond;
@@ -53,7 +40,7 @@ struct Eased {
       const auto at = [&](std::size_t i) { return face.nodes[i] == node ? position : complex->at(face.nodes[i]); };
       const Vec3 a = at(0), b = at(1), d = at(2);
       const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-      sum += lack_of(std::abs(surface_at(*materials, face.labels, (a + b + d) / 3).distance) / edge);
+      sum += lack_of(std::abs(offset_at(*materials, face.labels, (a + b + d) / 3).distance) / edge);
       if (sum >= stop) return stop;
     }
     return sum;
@@ -73,12 +60,12 @@ bool take_step(Complex& c, const Eased& eased, double step_mm, double most_mm, d
   constexpr double least_gain = 0.05;  // of the misery
   constexpr std::size_t along = 8;     // of the ways; the others go across
   const LabelBits labels = c.bits(eased.node) & ~side_bits;
-  const auto here = surface_at(*eased.materials, labels, c.at(eased.node));
+  const auto here = offset_at(*eased.materials, labels, c.at(eased.node));
   const auto ways = ways_around(here.normal);
   const std::size_t count = step_mm < most_mm ? ways.size() : along;
   for (std::size_t w = 0; w < count; ++w) {
     Vec3 place = c.at(eased.node) + step_mm * ways[w];
-    const auto there = surface_at(*eased.materials, labels, place);
+    const auto there = offset_at(*eased.materials, labels, place);
     if (w < along)
       place += (here.distance - there.distance) * there.normal;
     else if (std::abs(there.distance) > std::max(std::abs(here.distance), most_mm))
@@ -107,7 +94,7 @@ void keep_far(const Complex& c, const Materials& materials, const std::vector<Su
       if (is_marked[f] == 0) continue;
       const Vec3 a = c.at(faces[f].nodes[0]), b = c.at(faces[f].nodes[1]), d = c.at(faces[f].nodes[2]);
       const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-      is_marked[f] = std::abs(surface_at(materials, faces[f].labels, (a + b + d) / 3).distance) > far * edge;
+      is_marked[f] = std::abs(offset_at(materials, faces[f].labels, (a + b + d) / 3).distance) > far * edge;
     }
   });
 }

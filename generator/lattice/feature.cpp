@@ -88,4 +88,11 @@ double distance_to(const Feature& feature) {
   return farthest;
 }
 
+Offset offset_at(const Materials& materials, LabelBits labels, const Vec3& point) {
+  const auto feature = feature_at(materials, labels, point);
+  const auto& e = feature.equations[0];
+  const double slope = std::max(norm(e.gradient), least_slope);
+  return {e.value / slope, e.gradient / slope};
+}
+
 }  // namespace heart::lattice

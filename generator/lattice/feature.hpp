@@ -27,4 +27,12 @@ Vec3 project(const Materials& materials, LabelBits touches, const Vec3& start, i
 /// Greatest distance (mm) to one of the feature's surfaces, to first order.
 double distance_to(const Feature& feature);
 
+/// Signed distance (mm) of a point to the surface between two labels, to first order, and the normal there, towards
+/// where the distance grows.
+struct Offset {
+  double distance = 0;
+  Vec3 normal;
+};
+Offset offset_at(const Materials& materials, LabelBits labels, const Vec3& point);
+
 }  // namespace heart::lattice

@@ -57,10 +57,14 @@ void scan_row(float* squared, std::uint8_t* tag, std::size_t n, double step2) {
 }
 
 /// result[x] = min over q of value[q] + step2 (x - q)^2, with the tag of that q. A line without sites stays as it is.
+/// Between two sites of value 0 a third such one is the nearest of nothing but itself, and is left out.
 void lower_envelope(Line& line, double step2) {
+  const std::size_t n = line.value.size();
+  const auto is_zero = [&](std::size_t q) { return line.value[q] == 0; };
   std::size_t count = 0;
-  for (std::size_t q = 0; q < line.value.size(); ++q) {
+  for (std::size_t q = 0; q < n; ++q) {
     if (line.value[q] == unreached) continue;
+    if (is_zero(q) && q > 0 && q + 1 < n && is_zero(q - 1) && is_zero(q + 1)) continue;
     double at = -std::numeric_limits<double>::infinity();
     while (count > 0) {
       at = crossing(line.value, line.site[count - 1], q, step2);
@@ -78,7 +82,12 @@ void lower_envelope(Line& line, double step2) {
   }
   line.start[count] = std::numeric_limits<double>::infinity();
   std::size_t k = 0;
-  for (std::size_t x = 0; x < line.value.size(); ++x) {
+  for (std::size_t x = 0; x < n; ++x) {
+    if (is_zero(x)) {
+      line.result[x] = 0;
+      line.tag_result[x] = line.tag[x];
+      continue;
+    }
     while (line.start[k + 1] < static_cast<double>(x)) ++k;
     const double offset = static_cast<double>(x) - static_cast<double>(line.site[k]);
     line.result[x] = static_cast<float>(static_cast<double>(line.value[line.site[k]]) + step2 * offset * offset);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "generator/parallel/threads.hpp"
+#include "generator/segment/box_around.hpp"
 #include "generator/segment/distance.hpp"
 
 namespace heart::segment {
@@ -110,15 +111,35 @@ Mask dilate_by_rows(const Mask& mask, double radius_mm) {
   return result;
 }
 
-}  // namespace
-
-Mask dilate(const Mask& mask, double radius_mm) {
+Mask dilate_whole(const Mask& mask, double radius_mm) {
   const Index3 reach = ball_reach(mask.grid, radius_mm);
   return reach[0] < far && (2 * reach[1] + 1) * (2 * reach[2] + 1) <= most_rows ? dilate_by_rows(mask, radius_mm)
                                                                                 : dilate_by_distance(mask, radius_mm);
 }
 
-Mask erode(const Mask& mask, double radius_mm) { return inverse(dilate(inverse(mask), radius_mm)); }
+Box box_of(const Mask& mask, const Index3& margin) {
+  Box box = bounding_box(mask, 0, [](std::uint8_t on) { return on != 0; });
+  if (box.empty()) return box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.begin[axis] = std::max<std::int64_t>(box.begin[axis] - margin[axis], 0);
+    box.end[axis] = std::min(box.end[axis] + margin[axis], mask.grid.size[axis]);
+  }
+  return box;
+}
+
+}  // namespace
+
+Mask dilate(const Mask& mask, double radius_mm) {
+  const Box box = box_of(mask, ball_reach(mask.grid, radius_mm));  // beyond it nothing is reached
+  return box.empty() ? Mask(mask.grid) : pasted(mask.grid, dilate_whole(crop(mask, box), radius_mm), box);
+}
+
+Mask erode(const Mask& mask, double radius_mm) {
+  const Box box = box_of(mask, {1, 1, 1});  // an unset voxel farther out has one in the margin that is nearer
+  if (box.empty()) return Mask(mask.grid);
+  return pasted(mask.grid, inverse(dilate_whole(inverse(crop(mask, box)), radius_mm)), box);
+}
+
 Mask open(const Mask& mask, double radius_mm) { return dilate(erode(mask, radius_mm), radius_mm); }
 Mask close(const Mask& mask, double radius_mm) { return erode(dilate(mask, radius_mm), radius_mm); }
 

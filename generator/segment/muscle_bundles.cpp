@@ -30,6 +30,30 @@ double distance_mm(const MuscleBundle& bundle, const Vec3& p) {
   return norm(from - t * axis) - bundle.radius_mm;
 }
 
+/// x of where a row of voxels may come within `reach` of the bundle's axis; empty where first > last. The axis is cut
+/// to where it comes as near along y and z.
+struct RowPart {
+  double first, last;
+};
+RowPart part_of_row(const MuscleBundle& bundle, double reach, double y, double z) {
+  constexpr double rounding_mm = 1e-6;
+  const Vec3 axis = bundle.to_mm - bundle.from_mm;
+  double begin = 0, end = 1;
+  for (const int a : {1, 2}) {
+    const double off = (a == 1 ? y : z) - bundle.from_mm[a], near = reach + rounding_mm;
+    if (std::abs(axis[a]) < rounding_mm) {
+      if (std::abs(off) > near + rounding_mm) return {1, 0};
+      continue;
+    }
+    const double one = (off - near) / axis[a], other = (off + near) / axis[a];
+    begin = std::max(begin, std::min(one, other));
+    end = std::min(end, std::max(one, other));
+  }
+  if (begin > end) return {1, 0};
+  const double from = bundle.from_mm.x + begin * axis.x, to = bundle.from_mm.x + end * axis.x;
+  return {std::min(from, to) - reach - rounding_mm, std::max(from, to) + reach + rounding_mm};
+}
+
 /// body(offset, distance to the bundle's surface) for every voxel up to `margin_mm` from it.
 template <class Body>
 void for_each_within(const Grid& grid, const MuscleBundle& bundle, double margin_mm, const Body& body) {
@@ -43,13 +67,17 @@ void for_each_within(const Grid& grid, const MuscleBundle& bundle, double margin
     high[a] = std::min(static_cast<std::int64_t>(std::floor(last)), grid.size[a] - 1);
   }
   for (std::int64_t k = low[2]; k <= high[2]; ++k)
-    for (std::int64_t j = low[1]; j <= high[1]; ++j)
-      for (std::int64_t i = low[0]; i <= high[0]; ++i) {
-        const Vec3 p{static_cast<double>(i) * spacing, static_cast<double>(j) * spacing,
-                     static_cast<double>(k) * spacing};
+    for (std::int64_t j = low[1]; j <= high[1]; ++j) {
+      const double y = static_cast<double>(j) * spacing, z = static_cast<double>(k) * spacing;
+      const auto [first, last] = part_of_row(bundle, reach, y, z);
+      const auto begin = std::max(low[0], static_cast<std::int64_t>(std::ceil(first / spacing)));
+      const auto end = std::min(high[0], static_cast<std::int64_t>(std::floor(last / spacing)));
+      for (std::int64_t i = begin; i <= end; ++i) {
+        const Vec3 p{static_cast<double>(i) * spacing, y, z};
         const double distance = distance_mm(bundle, p);
         if (distance < margin_mm) body(static_cast<std::size_t>(grid.offset(i, j, k)), distance);
       }
+    }
 }
 
 /// Share of muscle that is seen at a distance from the surface of a blurred rod; its half lies inside the rod, by half

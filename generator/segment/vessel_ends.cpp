@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "generator/segment/box_around.hpp"
 #include "generator/segment/components.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/flood.hpp"
@@ -51,7 +52,10 @@ const Vec3& nearest(const std::vector<Vec3>& points, const Vec3& to) {
 }
 
 /// The opening of a chamber by a share of its inscribed radius, the piece that holds the deepest point.
-Mask wide_part(const Mask& chamber, double core_share) {
+Mask wide_part(const Mask& whole, double core_share) {
+  const Box box = bounding_box(whole, 1, [](std::uint8_t on) { return on != 0; });
+  if (box.empty()) return whole;
+  const Mask chamber = crop(whole, box);
   Mask outside(chamber.grid);
   for (std::size_t v = 0; v < outside.voxels.size(); ++v) outside.voxels[v] = chamber.voxels[v] == 0;
   const auto depth = distance_to(outside, 1e3F);
@@ -60,7 +64,7 @@ Mask wide_part(const Mask& chamber, double core_share) {
   const auto at = deepest - depth.voxels.begin();
   const Index3 seed{at % chamber.grid.size[0], at / chamber.grid.size[0] % chamber.grid.size[1],
                     at / (chamber.grid.size[0] * chamber.grid.size[1])};
-  return component_of(intersect(open(chamber, radius), chamber), seed);
+  return pasted(whole.grid, component_of(intersect(open(chamber, radius), chamber), seed), box);
 }
 
 /// A plane perpendicular to a vessel, and the direction in which it leaves.

@@ -113,6 +113,32 @@ std::vector<Volume<float>> sum_evidence(const Volume<float>& hu, const Mask& spe
   return sums;
 }
 
+/// Evidence of all bins, those of one place beside each other: they are asked for together.
+struct PlaceEvidence {
+  Grid grid;
+  std::vector<float> nats;
+
+  explicit PlaceEvidence(const std::vector<Volume<float>>& of_bins)
+      : grid(of_bins.front().grid), nats(of_bins.front().voxels.size() * bins) {
+    const auto places = of_bins.front().voxels.size();
+    parallel::parallel_for(0, static_cast<std::int64_t>(places), [&](std::int64_t begin, std::int64_t end) {
+      for (auto place = static_cast<std::size_t>(begin); place < static_cast<std::size_t>(end); ++place)
+        for (std::size_t bin = 0; bin < bins; ++bin) nats[place * bins + bin] = of_bins[bin].voxels[place];
+    });
+  }
+
+  /// Interpolated linearly inside the grid.
+  std::array<double, bins> at(const Vec3& place) const {
+    std::array<double, bins> sum{};
+    for_corners(place, [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
+      if (weight == 0) return;
+      const float* here = nats.data() + static_cast<std::size_t>(grid.offset(i, j, k)) * bins;
+      for (std::size_t bin = 0; bin < bins; ++bin) sum[bin] += weight * static_cast<double>(here[bin]);
+    });
+    return sum;
+  }
+};
+
 /// A Gaussian along the line through a cell; a single weight where `along_mm` is 0.
 struct LineWeights {
   std::vector<double> weights;
@@ -147,9 +173,9 @@ double posterior_mean(std::array<double, bins + 1>& nats, double prior_mm) {
 }
 
 /// Sums over neighbouring places as a Gaussian of height 1 on the wall, at one cell.
-std::array<double, bins + 1> neighbours_sum(const std::vector<Volume<float>>& smooth, const Index3& cell,
+std::array<double, bins + 1> neighbours_sum(const PlaceEvidence& smooth, const Index3& cell,
                                             const WallNeighbours& neighbours, const LineWeights& line) {
-  const Grid& grid = smooth.front().grid;
+  const Grid& grid = smooth.grid;
   double total = 0;
   for (const double weight : line.weights) total += weight;
   const double ratio = neighbours.along_mm / neighbours.across_mm;
@@ -166,7 +192,8 @@ std::array<double, bins + 1> neighbours_sum(const std::vector<Volume<float>>& sm
     }
     if (!inside) continue;
     const double weight = height * line.weights[static_cast<std::size_t>(n + line.reach)];
-    for (std::size_t bin = 0; bin < bins; ++bin) nats[bin] += weight * sample_linear(smooth[bin], at);
+    const auto here = smooth.at(at);
+    for (std::size_t bin = 0; bin < bins; ++bin) nats[bin] += weight * here[bin];
   }
   return nats;
 }
@@ -197,8 +224,9 @@ Volume<float> local_offset(const Volume<float>& hu, const Volume<float>& distanc
                            const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours,
                            const Sought& sought) {
   const Places places(distance_mm, mean_mm);
-  auto evidence = sum_evidence(hu, speaks, places, contrast, sought);
-  for (auto& bin : evidence) bin = gaussian(bin, neighbours.across_mm);
+  auto of_bins = sum_evidence(hu, speaks, places, contrast, sought);
+  for (auto& bin : of_bins) bin = gaussian(bin, neighbours.across_mm);
+  const PlaceEvidence evidence(of_bins);
   Mask used(places.grid);
   for_each_near(places, place_reach_mm, [&](const Index3& at) {
     for (const auto& [cell, weight] : places.corners(places.place(at)))

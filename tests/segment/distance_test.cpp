@@ -45,6 +45,17 @@ TEST(Distance, EqualsTheSlowSearch) {
   }
 }
 
+/// Inside what is set nothing is sought; around it and in its gaps it is.
+TEST(Distance, OfSolidMasksEqualsTheSlowSearch) {
+  Mask mask = scattered(5, 900);
+  for (std::int64_t k = 2; k < 9; ++k)
+    for (std::int64_t j = 0; j < 10; ++j)
+      for (std::int64_t i = 4; i < 15; ++i) mask(i, j, k) = i != 9 && j != 5;
+  const auto distance = distance_to(mask);
+  for (std::int64_t v = 0; v < mask.grid.voxel_count(); ++v)
+    ASSERT_NEAR(static_cast<double>(distance.voxels[static_cast<std::size_t>(v)]), slow_distance(mask, v), 1e-4) << v;
+}
+
 TEST(Distance, OfTheNearestLabelIsThatOfItsMask) {
   LabelVolume labels = scattered(7, 60);
   std::uint8_t next = 1;

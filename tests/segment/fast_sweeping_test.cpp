@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include "segment/pde_images.hpp"
 
@@ -139,6 +143,80 @@ TEST(FastSweeping, ABoundLeavesWhatIsNearerAndHoldsTheRest) {
     bounded += std::abs(near.voxels[i]) == within;
   }
   EXPECT_GT(bounded, all.voxels.size() / 4);
+}
+
+/// The sweeps as they are in books: every voxel each time, beginning at the distances beside the zero level.
+struct PlainSweeps {
+  Volume<float> distance;
+  std::vector<bool> kept;
+  float within_mm;
+
+  double seen(const Index3& at, std::size_t axis, std::int64_t steps, double sign) const {
+    Index3 to = at;
+    to[axis] += steps;
+    const bool exists = to[axis] >= 0 && to[axis] < distance.grid.size[axis];
+    return exists ? sign * distance(to[0], to[1], to[2]) : double{any_distance_mm};
+  }
+
+  void visit(const Index3& at, bool second_order) {
+    float& here = distance(at[0], at[1], at[2]);
+    const double sign = here < 0 ? -1 : 1;
+    std::array<std::pair<double, double>, 3> terms;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double h = distance.grid.spacing_mm[static_cast<int>(a)], lower = seen(at, a, -1, sign),
+                   upper = seen(at, a, 1, sign), near = std::min(lower, upper);
+      const double far = second_order ? seen(at, a, lower < upper ? -2 : 2, sign) : double{any_distance_mm};
+      terms[a] = far <= near ? std::pair{(4 * near - far) / 3, 1 / (h * h) * 9 / 4} : std::pair{near, 1 / (h * h)};
+      if (near >= double{any_distance_mm}) terms[a] = {near, 0};
+    }
+    std::ranges::stable_sort(terms, {}, &std::pair<double, double>::first);
+    if (terms[0].first >= double{within_mm}) return;
+    double v = 0, a = 0, b = 0, c = -1;
+    for (std::size_t n = 0; n < 3 && (n == 0 || terms[n].first < v); ++n) {
+      a += terms[n].second;
+      b += terms[n].second * terms[n].first;
+      c += terms[n].second * terms[n].first * terms[n].first;
+      v = (b + std::sqrt(std::max(b * b - a * c, 0.0))) / a;
+    }
+    if (second_order || v < sign * here) here = static_cast<float>(sign * v);
+  }
+
+  void sweep_all_directions(bool second_order) {
+    const auto& size = distance.grid.size;
+    for (unsigned direction = 0; direction < 8; ++direction)
+      for (std::int64_t n = 0; n < distance.grid.voxel_count(); ++n) {
+        Index3 at{n % size[0], n / size[0] % size[1], n / (size[0] * size[1])};
+        for (std::size_t a = 0; a < 3; ++a)
+          if ((direction >> a) & 1U) at[a] = size[a] - 1 - at[a];
+        if (!kept[static_cast<std::size_t>(distance.grid.offset(at[0], at[1], at[2]))]) visit(at, second_order);
+      }
+  }
+};
+
+/// What is left out (settled rows and voxels) changes no bit.
+TEST(FastSweeping, LeavesOutNothingThatWouldChange) {
+  for (const float within : {any_distance_mm, 9.0F}) {
+    const auto grid = grid_of({37, 22, 19}, {0.7, 1, 1.3});
+    const auto image =
+        testing::noisy(volume_of(grid, [](double x, double y, double z) { return length(x, y, z) - 5; }), 0.3);
+    const auto found = fast_sweeping(image, within);
+    PlainSweeps plain{found, std::vector<bool>(image.voxels.size(), false), within};
+    for (std::int64_t n = 0; n < grid.voxel_count(); ++n) {
+      const Index3 at{n % 37, n / 37 % 22, n / (37 * 22)};
+      const auto v = static_cast<std::size_t>(n);
+      const bool inside = image.voxels[v] < 0;
+      for (std::size_t a = 0; a < 3; ++a)
+        for (const std::int64_t side : {-1, 1}) {
+          Index3 to = at;
+          to[a] += side;
+          if (grid.contains(to[0], to[1], to[2]) && (image(to[0], to[1], to[2]) < 0) != inside) plain.kept[v] = true;
+        }
+      if (!plain.kept[v]) plain.distance.voxels[v] = inside ? -any_distance_mm : any_distance_mm;
+    }
+    for (const bool second_order : {false, false, true, true}) plain.sweep_all_directions(second_order);
+    for (float& mm : plain.distance.voxels) mm = std::clamp(mm, -within, within);
+    EXPECT_EQ(found.voxels, plain.distance.voxels) << within;
+  }
 }
 
 TEST(FastSweeping, HasTheSameBitsForAnyNumberOfThreads) {

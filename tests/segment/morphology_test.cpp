@@ -43,6 +43,19 @@ TEST(Morphology, ErosionIsTheDilationOfTheComplement) {
   EXPECT_EQ(count(subtract(dilate(eroded, 4), ball(9))), 0);
 }
 
+/// Also where the mask reaches the image's border, beyond which nothing is unset.
+TEST(Morphology, ErosionKeepsWhatIsFarEnoughFromAllThatIsUnset) {
+  Mask mask = ball(14), unset(mask.grid);
+  mask(3, 30, 2) = mask(40, 0, 24) = 1;
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v) unset.voxels[v] = mask.voxels[v] == 0;
+  const auto depth = distance_to(unset);
+  for (const double radius : {0.5, 0.8, 1.0, 2.4, 5.0, 11.0}) {
+    const Mask found = erode(mask, radius);
+    for (std::size_t v = 0; v < found.voxels.size(); ++v)
+      ASSERT_EQ(found.voxels[v] != 0, static_cast<double>(depth.voxels[v]) > radius + 1e-4) << radius;
+  }
+}
+
 TEST(Morphology, OpeningRemovesWhatIsThinnerThanTheBall) {
   Mask mask = ball(8);
   for (std::int64_t i = 0; i < 41; ++i) mask(i, 16, 12) = 1;

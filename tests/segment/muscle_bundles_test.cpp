@@ -176,5 +176,23 @@ TEST(MuscleBundles, AreTakenOutOfBloodToTheirSurface) {
       }
 }
 
+/// Rods of all directions, also such as leave the image, and a ball.
+TEST(MuscleBundles, ObliqueRodsAreCutOutWhole) {
+  Grid grid;
+  grid.size = {30, 30, 30};
+  const MuscleBundle rods[] = {{{5, 6, 7}, {24, 21, 19}, 2.5, 0},     {{25, 4, 15}, {3, 26, 15.5}, 1.5, 0},
+                               {{15, 15, -6}, {15, 15.2, 35}, 3, 0},  {{-4, 2, 2}, {9, 2, 11}, 2, 0},
+                               {{14, 14, 14}, {14, 14, 14.01}, 4, 0}, {{2, 28, 29}, {27, 28, 29}, 2.2, 0}};
+  for (const auto& rod : rods) {
+    Volume<float> blood(grid, 1);
+    carve_bundles({rod}, Mask(blood.grid, 1), blood);
+    for (std::int64_t k = 0; k < 30; ++k)
+      for (std::int64_t j = 0; j < 30; ++j)
+        for (std::int64_t i = 0; i < 30; ++i)
+          ASSERT_NEAR(static_cast<double>(blood(i, j, k)), std::clamp(rod_distance_mm(rod, place(i, j, k)), -1.0, 1.0),
+                      1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace heart::segment

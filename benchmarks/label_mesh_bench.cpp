@@ -155,7 +155,7 @@ Table bench_mesh_vessels(const Settings& settings, const parallel::Comm& comm) {
   const auto carotid = mask_of(phantom.carotid_labels, Region::carotid);
   MeshSettings coarse, fine;
   fine.trachea_edge_mm = 0.8;
-  fine.carotid_edge_mm = 0.55;  // about 540 k cells
+  fine.carotid_edge_mm = 0.58;  // about 540 k cells
   const bool has_trachea = std::find(trachea.voxels.begin(), trachea.voxels.end(), 1) != trachea.voxels.end();
   for (const char* backend : {"lattice", "cgal"}) {
     if (has_trachea) add_vessel(table, trachea, Region::trachea, coarse, backend);
@@ -172,7 +172,7 @@ Table bench_mesh_slice(const Settings& settings, const parallel::Comm& comm) {
   parallel::set_thread_count(settings.threads);
   const auto labels = labels_of(settings);
   mesh::SliceSettings slice;
-  slice.edge_mm = 0.37;
+  slice.edge_mm = 0.34;
   mesh::SliceReport report;
   TriMesh mesh;
   const auto index = slice_with_most_muscle(labels);

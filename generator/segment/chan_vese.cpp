@@ -94,8 +94,8 @@ void fix_decided(PrimalDualFields& fields, Relaxation& r, const Slab<float>& ima
   divide_links(link_runs(r.free, state), domain, r);
 }
 
-void sweep(PrimalDualFields& fields, const Slab<float>& image, const Slab<std::uint8_t>& domain, const Relaxation& r,
-           const Comm& comm) {
+void sweep(PrimalDualFields& fields, int count, const Slab<float>& image, const Slab<std::uint8_t>& domain,
+           const Relaxation& r, const Comm& comm) {
   const auto last = image.grid.size[1] - 1;
   const auto dual = [&](std::int64_t j, std::int64_t k) {
     const std::uint8_t* mask = domain.row(j, k);
@@ -108,7 +108,7 @@ void sweep(PrimalDualFields& fields, const Slab<float>& image, const Slab<std::u
     for (const Run& run : r.free.at(j, k))
       primal_row_force(primal_row_of(fields, j, k, run), r.primal_step, image.row(j, k), r.force);
   };
-  primal_dual_sweep(fields, comm, dual, primal);
+  primal_dual_sweeps(fields, count, comm, dual, primal);
 }
 
 Slab<float> initial_field(const Slab<std::uint8_t>& sides) {
@@ -141,7 +141,7 @@ Progress minimise(const Slab<float>& image, const Slab<std::uint8_t>& domain, co
   int quiet_checks = 0;
   while (progress.iterations < settings.max_iterations && quiet_checks < 2) {
     const int sweeps = std::min(settings.check_interval, settings.max_iterations - progress.iterations);
-    for (int s = 0; s < sweeps; ++s) sweep(fields, image, domain, r, comm);
+    sweep(fields, sweeps, image, domain, r, comm);
     progress.iterations += sweeps;
     const bool quiet = divide_at_level(fields.u, 0.5f, sides, comm) == 0;
     quiet_checks = quiet ? quiet_checks + 1 : 0;

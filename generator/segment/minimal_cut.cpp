@@ -72,7 +72,7 @@ Slab<float> initial_field(const Slab<std::uint8_t>& state) {
   return u;
 }
 
-void sweep(PrimalDualFields& fields, const Problem& p, const Comm& comm) {
+void sweep(PrimalDualFields& fields, int count, const Problem& p, const Comm& comm) {
   const AxisWeights half{p.weights.x / 2, p.weights.y / 2, p.weights.z / 2};
   const auto dual = [&](std::int64_t j, std::int64_t k) {
     for (const Run& run : p.links.at(j, k)) dual_row_weighted(dual_row_of(fields, j, k, run), half, p.h.row(j, k));
@@ -81,7 +81,7 @@ void sweep(PrimalDualFields& fields, const Problem& p, const Comm& comm) {
     for (const Run& run : p.free.at(j, k))
       primal_row_steps(primal_row_of(fields, j, k, run), p.weights, p.tau.row(j, k));
   };
-  primal_dual_sweep(fields, comm, dual, primal);
+  primal_dual_sweeps(fields, count, comm, dual, primal);
 }
 
 struct Energies {
@@ -132,7 +132,7 @@ MinimalCutResult minimal_cut(const Slab<float>& weight, const Slab<std::uint8_t>
   int iterations = 0;
   do {
     const int sweeps = std::min(settings.check_interval, settings.max_iterations - iterations);
-    for (int s = 0; s < sweeps; ++s) sweep(fields, problem, comm);
+    sweep(fields, sweeps, problem, comm);
     iterations += sweeps;
     energies = {primal_energy(fields, problem, comm), dual_energy(fields, problem, comm)};
   } while (iterations < settings.max_iterations && energies.gap() > settings.duality_gap);

@@ -96,4 +96,75 @@ void primal_dual_sweep(PrimalDualFields& f, const parallel::Comm& comm, Dual&& d
   parallel::exchange_halo(f.bar, comm);
 }
 
+/// Rows that fit into a processor's own cache with all fields, twice: of a slice and of the one before it.
+inline std::int64_t rows_in_cache(std::int64_t nx) {
+  constexpr std::int64_t cache_bytes = 1 << 20, bytes_per_voxel = 48;
+  return std::max<std::int64_t>(cache_bytes / (2 * bytes_per_voxel * nx), 4);
+}
+
+/// Two iterations of the slices [first, end), as far as they need no slice beyond: the first iteration but for the dual
+/// rows of the last slice, which are done; the second but for the last slice and the primal rows of the first one. It
+/// follows a row and a slice behind the first, and does in a row what that leaves in the cache: the fields come from
+/// memory once for both.
+template <class Dual, class Primal>
+void primal_dual_pair_inside(std::int64_t ny, std::int64_t block, std::int64_t first, std::int64_t end, Dual&& dual,
+                             Primal&& primal) {
+  for (std::int64_t begin = 0; begin < ny; begin += block) {
+    const auto stop = std::min(begin + block, ny);
+    const auto second_begin = std::max<std::int64_t>(begin - 1, 0), second_stop = stop < ny ? stop - 1 : ny;
+    for (auto k = first; k < end; ++k) {
+      for (auto j = begin; j < stop; ++j) {
+        if (k + 1 < end) dual(j, k);
+        primal(j, k);
+      }
+      if (k == first) continue;
+      for (auto j = second_begin; j < second_stop; ++j) {
+        dual(j, k - 1);
+        if (k - 1 > first) primal(j, k - 1);
+      }
+    }
+  }
+}
+
+/// Two iterations, with the bits of two sweeps. @collective
+template <class Dual, class Primal>
+void primal_dual_pair(PrimalDualFields& f, const parallel::Comm& comm, Dual&& dual, Primal&& primal) {
+  const auto ny = f.bar.grid.size[1], first = f.bar.first, end = f.bar.end();
+  const auto for_slice = [&](auto&& row, std::int64_t k) {
+    for (std::int64_t j = 0; j < ny; ++j) row(j, k);
+  };
+  const auto dual_of_last_slices = [&] {
+    if (f.bar.count && first > 0)
+      parallel::parallel_for(0, ny, [&](std::int64_t from, std::int64_t to) {
+        for (auto j = from; j < to; ++j) dual(j, first - 1);
+      });
+    parallel::parallel_for(first, end, [&](std::int64_t, std::int64_t to) { for_slice(dual, to - 1); });
+  };
+  dual_of_last_slices();
+  parallel::parallel_for(first, end, [&](std::int64_t from, std::int64_t to) {
+    primal_dual_pair_inside(ny, rows_in_cache(f.bar.grid.size[0]), from, to, dual, primal);
+  });
+  parallel::exchange_halo(f.bar, comm);
+  dual_of_last_slices();
+  parallel::parallel_for(first, end, [&](std::int64_t from, std::int64_t to) {
+    for_slice(primal, from);
+    if (to - 1 > from) for_slice(primal, to - 1);
+  });
+  parallel::exchange_halo(f.bar, comm);
+}
+
+/// Whether threads have enough slices for pairs of iterations: each does its first and last slice by itself.
+inline bool pairs_pay(const PrimalDualFields& f) {
+  constexpr std::int64_t least_slices = 8;
+  return f.bar.count >= least_slices * parallel::thread_count();
+}
+
+/// Iterations with the bits of as many sweeps, one after the other. @collective
+template <class Dual, class Primal>
+void primal_dual_sweeps(PrimalDualFields& f, int count, const parallel::Comm& comm, Dual&& dual, Primal&& primal) {
+  // A rank that does pairs and one that does not exchange the same slices.
+  for (; count > 1 && pairs_pay(f); count -= 2) primal_dual_pair(f, comm, dual, primal);
+  for (; count > 0; --count) primal_dual_sweep(f, comm, dual, primal);
+}
+
 }  // namespace heart::segment

@@ -47,7 +47,7 @@ void solve(Slab<float>& image, int iterations, double pull, PrimalKernel kernel,
   const auto primal = [&](std::int64_t j, std::int64_t k) {
     kernel(primal_row_of(fields, j, k, whole_row), primal_step, image.row(j, k), scaled_pull);
   };
-  for (int step = 0; step < iterations; ++step) primal_dual_sweep(fields, comm, dual, primal);
+  primal_dual_sweeps(fields, iterations, comm, dual, primal);
   std::ranges::copy(fields.u.owned(), image.owned().begin());
   parallel::exchange_halo(image, comm);
 }

@@ -29,7 +29,7 @@ using testing::noisy;
 using testing::volume_of;
 
 /// Images with many slices, fewer slices than ranks, and one slice.
-const Index3 sizes[] = {{14, 11, 13}, {12, 9, 2}, {16, 12, 1}};
+const Index3 sizes[] = {{14, 11, 13}, {12, 9, 31}, {12, 9, 2}, {16, 12, 1}};
 
 /// The image as a collective sees it: on the root only.
 template <class T>

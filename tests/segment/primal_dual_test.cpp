@@ -1,0 +1,56 @@
+#include "generator/segment/primal_dual.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "segment/pde_images.hpp"
+
+namespace heart::segment {
+namespace {
+
+using testing::at_threads;
+using testing::grid_of;
+using testing::length;
+
+/// All fields of a smoothing by total variation after the iterations that `advance` makes.
+template <class Advance>
+std::vector<parallel::Pages<float>> fields_after(const Volume<float>& image, Advance&& advance) {
+  const auto g = testing::slab_of(image);
+  auto start = parallel::make_slab_like<float>(g, 0);
+  std::ranges::copy(g.owned(), start.owned().begin());
+  auto f = make_primal_dual(std::move(start), parallel::self());
+  const AxisWeights step = axis_weights(image.grid, 0.3);
+  const Run row{0, image.grid.size[0]};
+  advance(
+      f, [&](std::int64_t j, std::int64_t k) { dual_row(dual_row_of(f, j, k, row), step); },
+      [&](std::int64_t j, std::int64_t k) { primal_row_l2(primal_row_of(f, j, k, row), step, g.row(j, k), 0.1F); });
+  return {f.u.values, f.bar.values, f.px.values, f.py.values, f.pz.values};
+}
+
+/// Rows as long as a slice takes several blocks of them; slices that one thread, two or three have enough of for pairs.
+TEST(PrimalDual, PairsHaveTheBitsOfSingleSweeps) {
+  constexpr int iterations = 5;
+  for (const Index3 size : {Index3{2600, 11, 9}, Index3{2600, 13, 30}, Index3{17, 12, 25}, Index3{33, 1, 16}}) {
+    const auto image = testing::noisy(
+        testing::volume_of(grid_of(size, {0.5, 0.7, 1.2}),
+                           [](double x, double y, double z) { return length(x / 40, y, z) < 4 ? 1 : 0; }),
+        0.2);
+    if (size[0] > 2000) {
+      ASSERT_LT(2 * rows_in_cache(size[0]), size[1]);
+    }
+    const auto single = fields_after(image, [&](auto& f, auto&& dual, auto&& primal) {
+      for (int n = 0; n < iterations; ++n) primal_dual_sweep(f, parallel::self(), dual, primal);
+    });
+    const auto results = at_threads([&] {
+      return fields_after(image, [&](auto& f, auto&& dual, auto&& primal) {
+        primal_dual_sweeps(f, iterations, parallel::self(), dual, primal);
+      });
+    });
+    for (const auto& result : results) EXPECT_EQ(result, single) << size[0] << ' ' << size[2];
+  }
+}
+
+}  // namespace
+}  // namespace heart::segment

@@ -123,7 +123,7 @@ void check_seeds_inside(const Grid& grid, const Landmarks& landmarks) {
     if (name != "carotid") segment::seed_voxel(grid, name, p);
 }
 
-void refuse_cut_ventricles(const LabelVolume& labels) {
+void refuse_cut_ventricles(const LabelVolume& labels, const segment::Padding& padding) {
   constexpr double most_cm2 = 3, mm2_per_cm2 = 100;  // a whole section: 15 and more
   const auto& size = labels.grid.size;
   const Vec3& s = labels.grid.spacing_mm;
@@ -137,9 +137,12 @@ void refuse_cut_ventricles(const LabelVolume& labels) {
         if (region != Region::lv_myocardium && region != Region::rv_myocardium && region != Region::lv_blood &&
             region != Region::rv_blood && region != Region::papillary)
           continue;
-        const Index3 at{i, j, k};
         for (std::size_t axis = 0; axis < 3; ++axis)
-          if (at[axis] == 0 || at[axis] + 1 == size[axis]) cut_mm2 += face_mm2[axis];
+          for (const std::int64_t way : {-1, 1}) {
+            Index3 next{i, j, k};
+            next[axis] += way;
+            if (!labels.grid.contains(next[0], next[1], next[2]) || padding.covers(next)) cut_mm2 += face_mm2[axis];
+          }
       }
   if (cut_mm2 > most_cm2 * mm2_per_cm2)
     throw UserError(fmt::format("the field of view cuts the ventricles, over {:.0f} cm2", cut_mm2 / mm2_per_cm2), "CT",

@@ -1,6 +1,7 @@
 // What a build can refuse before its first stage: settings that cannot be, files that cannot be read.
 #pragma once
 #include "generator/app/pipeline.hpp"
+#include "generator/segment/padding.hpp"
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
 
@@ -22,8 +23,8 @@ void check_edges(const MeshSettings& settings);
 void check_seeds_inside(const Grid& grid, const Landmarks& landmarks);
 
 /// Throws UserError where more than the tip of the ventricles lies beyond the image: muscle and blood that were found
-/// in the CT end at its border.
-void refuse_cut_ventricles(const LabelVolume& labels);
+/// in the CT end at its border or beside its padding.
+void refuse_cut_ventricles(const LabelVolume& labels, const segment::Padding& padding);
 
 /// Throws UserError where the labels' heart is the mirror image of a heart, to which the fibre stage could not carry an
 /// atlas. Found on a coarse grid, before the meshing; what cannot be seen there is left to that stage.

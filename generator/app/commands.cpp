@@ -21,6 +21,7 @@
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/segment/filters.hpp"
+#include "generator/segment/padding.hpp"
 #include "model/error.hpp"
 #include "model/feature_curves.hpp"
 #include "model/recipe.hpp"
@@ -368,7 +369,9 @@ int mesh_command(const MeshCommand& command) {
 
 int landmarks_command(const std::string& ct, const std::string& output, bool json) {
   if (!output.empty()) check_output(output);
-  const auto found = landmarks::find_landmarks(adapters::read_ct(ct));
+  auto image = adapters::read_ct(ct);
+  segment::close_padding(image, segment::find_padding(image));
+  const auto found = landmarks::find_landmarks(image);
   const std::string text = write_landmarks(found.landmarks);
   if (!output.empty()) write_text(output, text);
   if (json) {

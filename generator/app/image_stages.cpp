@@ -91,6 +91,27 @@ void refuse_doubtful_landmarks(const Landmarks& all, const landmarks::FoundLandm
 
 }  // namespace
 
+segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& recipe,
+                                  std::vector<std::string>& remarks) {
+  segment::Padding padding;
+  if (!recipe.input.labels.empty()) return padding;
+  parallel::run_on_root(run.comm, [&] {
+    padding = segment::find_padding(*ct);
+    segment::close_padding(ct.value, padding);
+    if (padding.is_there())
+      remarks.push_back(
+          fmt::format("The CT holds {} HU where nothing was measured: the body ends there, with a surface that is "
+                      "called skin.",
+                      padding.value_hu));
+  });
+  return padding;
+}
+
+void clear_unmeasured(Staged<CtVolume>& ct, Staged<LabelVolume>& labels, const segment::Padding& padding) {
+  segment::reopen_padding(ct.value, padding);
+  segment::clear_padding(labels.value, padding);
+}
+
 bool chambers_are_marked(const Landmarks& landmarks) {
   for (const char* chamber : {"lv_blood", "rv_blood", "la_blood", "ra_blood"})
     if (!landmarks.seeds_mm.contains(chamber)) return false;

@@ -5,6 +5,7 @@
 
 #include "generator/app/run.hpp"
 #include "generator/labels/given_labels.hpp"
+#include "generator/segment/padding.hpp"
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
 
@@ -15,6 +16,14 @@ struct KnownLabels {
   Staged<labels::GivenLabels> given{};              ///< no voxels: nothing is given. Root only
   labels::MissingGroups missing{true, true, true};  ///< on every rank
 };
+
+/// Closes what was not measured of a CT where cut lungs open into it, unless labels are given. Root only has the
+/// voxels. @collective
+segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& recipe,
+                                  std::vector<std::string>& remarks);
+
+/// Takes that back, and the labels there. Root only
+void clear_unmeasured(Staged<CtVolume>& ct, Staged<LabelVolume>& labels, const segment::Padding& padding);
 
 /// Whether seeds for all four chambers are given, so that none need to be looked for.
 bool chambers_are_marked(const Landmarks& landmarks);

@@ -308,12 +308,14 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   if (recipe.input.ct.empty()) ct.value.grid = known.given->labels.grid;  // without voxels
   run.files.grid = ct->grid;
   parallel::run_on_root(comm, [&] { check_seeds_inside(ct->grid, recipe.landmarks); });
+  const auto padding = close_unmeasured(run, ct, recipe, remarks);
   if (known.missing.chambers) recipe.landmarks = complete_landmarks(run, ct, recipe.landmarks, remarks);
   auto heart = label_ct(run, ct, recipe, known);
   parallel::run_on_root(comm, [&] {
+    clear_unmeasured(ct, heart, padding);
     refuse_empty_regions(*heart, recipe);
     check_memory(*heart, recipe.mesh, machine_memory_bytes());
-    if (known.missing.chambers && !run.files.replaced_by.contains("chambers")) refuse_cut_ventricles(*heart);
+    if (known.missing.chambers && !run.files.replaced_by.contains("chambers")) refuse_cut_ventricles(*heart, padding);
     refuse_mirrored_heart(*heart, recipe.landmarks);
     settle_replacements(run, recipe.replace, inputs, remarks);
   });

@@ -24,15 +24,19 @@ LabelVolume column(std::int64_t gap) {
 }
 
 TEST(CutVentricles, AreRefusedWhereMoreThanTheirTipIsMissing) {
-  refuse_cut_ventricles(column(1));
-  const auto message = testing::error_of([] { refuse_cut_ventricles(column(0)); });
+  refuse_cut_ventricles(column(1), {});
+  const auto message = testing::error_of([] { refuse_cut_ventricles(column(0), {}); });
   EXPECT_NE(message.find("over 12 cm2"), std::string::npos) << message;
   LabelVolume tip = column(1);
   for (std::int64_t j = 16; j < 20; ++j)
     for (std::int64_t i = 16; i < 20; ++i) tip(i, j, 0) = tag(Region::lv_myocardium);
-  refuse_cut_ventricles(tip);
+  refuse_cut_ventricles(tip, {});
   LabelVolume aorta(tip.grid, tag(Region::aorta));  // vessels and atria may well leave the image
-  refuse_cut_ventricles(aorta);
+  refuse_cut_ventricles(aorta, {});
+  segment::Padding above;  // of all rows from the column's side on: beside it nothing was measured
+  above.width = 40;
+  for (int c = 0; c < 40 * 40; ++c) above.is_padded.push_back(c / 40 >= 26);
+  EXPECT_NE(testing::error_of([&] { refuse_cut_ventricles(column(1), above); }).find("cuts"), std::string::npos);
 }
 
 }  // namespace

@@ -10,6 +10,8 @@ namespace heart::segment {
 namespace {
 
 constexpr int most_hu = -500;
+constexpr double thickness_mm = 12;  // the body is looked for where tissue is thicker than 8
+constexpr std::int64_t least_voxels = 2;
 
 /// An image as columns along one axis: column (i, j) of the plane, slice by slice.
 struct Columns {
@@ -17,6 +19,7 @@ struct Columns {
   std::array<std::int64_t, 2> stride;  // in voxels
   std::array<double, 2> spacing_mm;
   std::int64_t slices, slice_stride;
+  double slice_mm;
 
   std::int64_t count() const { return size[0] * size[1]; }
   std::size_t voxel(std::int64_t column, std::int64_t slice) const {
@@ -31,27 +34,26 @@ Columns columns_along(const Grid& grid, std::size_t axis) {
           {stride[first], stride[second]},
           {grid.spacing_mm[static_cast<int>(first)], grid.spacing_mm[static_cast<int>(second)]},
           grid.size[axis],
-          stride[axis]};
+          stride[axis],
+          grid.spacing_mm[static_cast<int>(axis)]};
 }
 
-std::vector<std::int64_t> slices_with_more(const CtVolume& ct, const Columns& columns) {
-  std::vector<std::int64_t> found;
+std::int64_t reach_of(double spacing_mm) {
+  return std::max<std::int64_t>(least_voxels, std::llround(thickness_mm / spacing_mm));
+}
+
+/// Places of the image that belong to no padding: an image is asked for one value.
+struct Even {
+  std::vector<std::uint8_t> column, slice;  // 1 where there is nothing but the value
+};
+
+Even find_even(const CtVolume& ct, const Columns& columns, std::int16_t value) {
+  Even even{std::vector<std::uint8_t>(static_cast<std::size_t>(columns.count()), 1),
+            std::vector<std::uint8_t>(static_cast<std::size_t>(columns.slices), 1)};
   for (std::int64_t slice = 0; slice < columns.slices; ++slice)
     for (std::int64_t c = 0; c < columns.count(); ++c)
-      if (ct.voxels[columns.voxel(c, slice)] != ct.voxels.front()) {
-        found.push_back(slice);
-        break;
-      }
-  return found;
-}
-
-/// 1 for the columns that hold the first voxel's value only.
-std::vector<std::uint8_t> even_columns(const CtVolume& ct, const Columns& columns,
-                                       const std::vector<std::int64_t>& slices) {
-  std::vector<std::uint8_t> even(static_cast<std::size_t>(columns.count()), 1);
-  for (const auto slice : slices)
-    for (std::int64_t c = 0; c < columns.count(); ++c)
-      if (ct.voxels[columns.voxel(c, slice)] != ct.voxels.front()) even[static_cast<std::size_t>(c)] = 0;
+      if (ct.voxels[columns.voxel(c, slice)] != value)
+        even.column[static_cast<std::size_t>(c)] = even.slice[static_cast<std::size_t>(slice)] = 0;
   return even;
 }
 
@@ -71,31 +73,28 @@ std::vector<std::int64_t> rim_of(const Columns& columns, const std::vector<std::
   return rim;
 }
 
-/// Whether lungs end at the rim, as a field of view cuts them. Around a body that was cut out of its air the rim is
-/// that of all slices together, and most of it is empty.
-bool cuts_lungs(const CtVolume& ct, const Columns& columns, const std::vector<std::int64_t>& rim,
-                const std::vector<std::int64_t>& slices) {
-  constexpr int least_lung_hu = -980, most_lung_hu = -600;
-  constexpr double least_lung = 0.03, most_even = 0.5;
-  std::int64_t lung = 0, even = 0;
-  for (const auto slice : slices)
-    for (const auto c : rim) {
-      const int hu = ct.voxels[columns.voxel(c, slice)];
-      lung += hu > least_lung_hu && hu < most_lung_hu && hu != ct.voxels.front();
-      even += hu == ct.voxels.front();
-    }
-  const auto all = static_cast<double>(rim.size() * slices.size());
-  return static_cast<double>(lung) > least_lung * all && static_cast<double>(even) < most_even * all;
-}
+/// What lies at the border of the padding.
+struct Border {
+  std::int64_t lung = 0, even = 0, all = 0;
+  void add(int hu, int value) {
+    constexpr int least_lung_hu = -980, most_lung_hu = -600;
+    lung += hu > least_lung_hu && hu < most_lung_hu && hu != value;
+    even += hu == value;
+    ++all;
+  }
+  /// Whether lungs end there, as a field of view cuts them. Around a body that was cut out of its air the border is
+  /// that of all slices together, and most of it is empty.
+  bool cuts_lungs() const {
+    constexpr double least_lung = 0.03, most_even = 0.5;
+    return static_cast<double>(lung) > least_lung * static_cast<double>(all) &&
+           static_cast<double>(even) < most_even * static_cast<double>(all);
+  }
+};
 
 /// The columns of the padding that are near the rim.
 std::vector<std::int64_t> wall_around(const Columns& columns, const std::vector<std::uint8_t>& even,
                                       const std::vector<std::int64_t>& rim) {
-  constexpr double thickness_mm = 6;
-  constexpr std::int64_t least_voxels = 2;
-  std::array<std::int64_t, 2> reach{};
-  for (std::size_t a = 0; a < 2; ++a)
-    reach[a] = std::max<std::int64_t>(least_voxels, std::llround(thickness_mm / columns.spacing_mm[a]));
+  const std::array reach{reach_of(columns.spacing_mm[0]), reach_of(columns.spacing_mm[1])};
   std::vector<std::int64_t> wall;
   for (const auto c : rim)
     for (auto j = -reach[1]; j <= reach[1]; ++j)
@@ -109,41 +108,91 @@ std::vector<std::int64_t> wall_around(const Columns& columns, const std::vector<
   return wall;
 }
 
-void fill_wall(CtVolume& ct, const Padding& padding, std::int16_t hu) {
+void find_wall(const CtVolume& ct, const Columns& columns, const Even& even, Padding& padding) {
+  const auto rim = rim_of(columns, even.column);
+  Border border;
+  for (std::int64_t slice = 0; slice < columns.slices; ++slice)
+    if (even.slice[static_cast<std::size_t>(slice)] == 0)
+      for (const auto c : rim) border.add(ct.voxels[columns.voxel(c, slice)], padding.value_hu);
+  if (!border.cuts_lungs()) return;
+  padding.is_column = even.column;
+  padding.wall = wall_around(columns, even.column, rim);
+}
+
+void find_lids(const CtVolume& ct, const Columns& columns, const Even& even, Padding& padding) {
+  const auto is_even = [&](std::int64_t slice) {
+    return slice >= 0 && slice < columns.slices && even.slice[static_cast<std::size_t>(slice)] != 0;
+  };
+  const auto reach = reach_of(columns.slice_mm);
+  for (std::int64_t slice = 0; slice < columns.slices; ++slice)
+    for (const std::int64_t way : {-1, 1}) {
+      if (is_even(slice) || !is_even(slice + way)) continue;
+      Border border;
+      for (std::int64_t c = 0; c < columns.count(); ++c)
+        if (even.column[static_cast<std::size_t>(c)] == 0)
+          border.add(ct.voxels[columns.voxel(c, slice)], padding.value_hu);
+      if (!border.cuts_lungs()) continue;
+      padding.is_slice = even.slice;
+      for (std::int64_t n = 1; n <= reach && is_even(slice + n * way); ++n) padding.lids.push_back(slice + n * way);
+    }
+}
+
+Padding padding_along(const CtVolume& ct, std::size_t axis, std::int16_t value) {
+  const auto columns = columns_along(ct.grid, axis);
+  const auto even = find_even(ct, columns, value);
+  Padding padding;
+  padding.value_hu = value;
+  padding.axis = axis;
+  padding.width = columns.size[0];
+  find_wall(ct, columns, even, padding);
+  find_lids(ct, columns, even, padding);
+  if (padding.wall.empty() && padding.lids.empty()) return {};
+  padding.is_column.resize(even.column.size(), 0);
+  padding.is_slice.resize(even.slice.size(), 0);
+  return padding;
+}
+
+void fill_wall_and_lids(CtVolume& ct, const Padding& padding, std::int16_t hu) {
   if (!padding.is_there()) return;
   const auto columns = columns_along(ct.grid, padding.axis);
   for (std::int64_t slice = 0; slice < columns.slices; ++slice)
-    for (const auto c : padding.wall) ct.voxels[columns.voxel(c, slice)] = hu;
+    if (padding.is_slice[static_cast<std::size_t>(slice)] == 0)
+      for (const auto c : padding.wall) ct.voxels[columns.voxel(c, slice)] = hu;
+  for (const auto lid : padding.lids) {
+    for (std::int64_t c = 0; c < columns.count(); ++c)
+      if (padding.is_column[static_cast<std::size_t>(c)] == 0) ct.voxels[columns.voxel(c, lid)] = hu;
+    for (const auto c : padding.wall) ct.voxels[columns.voxel(c, lid)] = hu;
+  }
 }
 
 }  // namespace
 
 Padding find_padding(const CtVolume& ct) {
-  if (ct.voxels.empty() || ct.voxels.front() > most_hu) return {};
-  for (const std::size_t axis : {2U, 1U, 0U}) {
-    const auto columns = columns_along(ct.grid, axis);
-    const auto slices = slices_with_more(ct, columns);
-    const auto even = even_columns(ct, columns, slices);
-    const auto rim = rim_of(columns, even);
-    if (!rim.empty() && cuts_lungs(ct, columns, rim, slices))
-      return {ct.voxels.front(), axis, columns.size[0], even, wall_around(columns, even, rim)};
-  }
+  if (ct.voxels.empty()) return {};
+  for (const auto value : {ct.voxels.front(), ct.voxels.back()})
+    for (const std::size_t axis : {2U, 1U, 0U}) {
+      if (value > most_hu) continue;
+      if (auto padding = padding_along(ct, axis, value); padding.is_there()) return padding;
+    }
   return {};
 }
 
 void close_padding(CtVolume& ct, const Padding& padding) {
-  constexpr std::int16_t fat_hu = -80;
-  fill_wall(ct, padding, fat_hu);
+  constexpr std::int16_t fat_hu = -80, darkest_hu = -1024;
+  for (auto& hu : ct.voxels) hu = std::max(hu, darkest_hu);
+  fill_wall_and_lids(ct, padding, fat_hu);
 }
 
-void reopen_padding(CtVolume& ct, const Padding& padding) { fill_wall(ct, padding, padding.value_hu); }
+void reopen_padding(CtVolume& ct, const Padding& padding) { fill_wall_and_lids(ct, padding, padding.value_hu); }
 
 void clear_padding(LabelVolume& labels, const Padding& padding) {
   if (!padding.is_there()) return;
-  const auto columns = columns_along(labels.grid, padding.axis);
-  for (std::int64_t slice = 0; slice < columns.slices; ++slice)
-    for (std::int64_t c = 0; c < columns.count(); ++c)
-      if (padding.is_padded[static_cast<std::size_t>(c)] != 0) labels.voxels[columns.voxel(c, slice)] = 0;
+  std::size_t v = 0;
+  const auto& size = labels.grid.size;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++v)
+        if (padding.covers({i, j, k})) labels.voxels[v] = 0;
 }
 
 }  // namespace heart::segment

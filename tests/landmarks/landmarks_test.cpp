@@ -9,6 +9,7 @@
 #include "generator/adapters/itk_io.hpp"
 #include "generator/landmarks/statistics.hpp"
 #include "generator/parallel/threads.hpp"
+#include "generator/segment/padding.hpp"
 #include "model/error.hpp"
 #include "support/data.hpp"
 
@@ -161,18 +162,33 @@ TEST(FindLandmarks, ReportsAMirroredImage) {
   }
 }
 
-TEST(FindLandmarks, TellsOfPaddingWhereItFails) {
-  const CtVolume& image = phantom(0).ct;
+// A box of the image, whose border cuts the lungs, in padding.
+CtVolume in_padding(const CtVolume& image) {
   CtVolume cut(image.grid, -1024);
   const auto& size = image.grid.size;
   for (std::int64_t k = 0; k < size[2]; ++k)
     for (std::int64_t j = 40; j < size[1] - 40; ++j)
       for (std::int64_t i = 40; i < size[0] - 40; ++i) cut(i, j, k) = image(i, j, k);
+  return cut;
+}
+
+TEST(FindLandmarks, TellsOfPaddingWhereItFails) {
   try {
-    find_landmarks(cut);
+    find_landmarks(in_padding(phantom(0).ct));
     ADD_FAILURE() << "found a heart where lungs run into the padding: this test needs another image";
   } catch (const UserError& error) {
     EXPECT_NE(error.message.find("padded with -1024 HU"), std::string::npos) << error.message;
+  }
+}
+
+TEST(FindLandmarks, FindsTheHeartInClosedPadding) {
+  for (const int variant : {0, 7}) {
+    const auto& p = phantom(variant);
+    CtVolume ct = in_padding(p.ct);
+    segment::close_padding(ct, segment::find_padding(ct));
+    const auto found = find_landmarks(ct);
+    for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood"})
+      EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name) << variant;
   }
 }
 

@@ -51,13 +51,13 @@ CtVolume padded(CtVolume ct, Inside&& inside) {
   return ct;
 }
 
-std::int64_t neighbours_padded(const CtVolume& ct, const Index3& at) {
+std::int64_t neighbours_empty(const CtVolume& ct, const Index3& at) {
   std::int64_t count = 0;
   for (std::size_t a = 0; a < 3; ++a)
     for (const std::int64_t way : {-1, 1}) {
       Index3 next = at;
       next[a] += way;
-      count += ct.grid.contains(next[0], next[1], next[2]) && ct(next[0], next[1], next[2]) == padding_hu;
+      count += ct.grid.contains(next[0], next[1], next[2]) && ct(next[0], next[1], next[2]) <= -1000;
     }
   return count;
 }
@@ -83,10 +83,11 @@ TEST(Padding, AWallClosesWhatADiscCutsAndIsTakenBack) {
           ASSERT_EQ(padding.covers({i, j, k}), !was_measured);
           if (!was_measured) continue;
           ASSERT_EQ(closed.voxels[v], ct.voxels[v]);
-          ASSERT_EQ(neighbours_padded(closed, {i, j, k}), 0);
+          ASSERT_EQ(neighbours_empty(closed, {i, j, k}), 0);
         }
     segment::reopen_padding(closed, padding);
-    EXPECT_EQ(closed.voxels, ct.voxels);
+    for (std::size_t at = 0; at < ct.voxels.size(); ++at)  // no value is left that the rest did not have, or air
+      ASSERT_TRUE(closed.voxels[at] == ct.voxels[at] || (ct.voxels[at] == padding_hu && closed.voxels[at] == -1024));
   }
 }
 
@@ -95,9 +96,24 @@ TEST(Padding, BesideABoxAndEmptySlicesIsFound) {
   const auto ct = padded(chest(grid), [&](const Index3& at) { return at[0] > 9 && at[2] > 3; });
   const auto padding = segment::find_padding(ct);
   ASSERT_TRUE(padding.is_there());
-  EXPECT_TRUE(padding.covers({9, 20, 20}));
+  EXPECT_TRUE(padding.covers({9, 20, 20}) && padding.covers({20, 20, 3}));
   EXPECT_FALSE(padding.covers({10, 20, 20}));
-  EXPECT_EQ(padding.wall.size(), 6U * 36U);  // 6 mm
+  EXPECT_EQ(padding.wall.size(), 10U * 36U);  // as far as there are 12 mm
+  EXPECT_EQ(padding.lids, (std::vector<std::int64_t>{3, 2, 1, 0}));
+}
+
+TEST(Padding, EmptySlicesAreClosedAtEitherEnd) {
+  const auto grid = grid_of({40, 36, 30});
+  for (const bool at_end : {false, true}) {
+    const auto ct = padded(chest(grid), [&](const Index3& at) { return at_end ? at[2] < 20 : at[2] > 9; });
+    const auto padding = segment::find_padding(ct);
+    ASSERT_TRUE(padding.is_there());
+    EXPECT_EQ(padding.lids.size(), 6U);
+    auto closed = ct;
+    segment::close_padding(closed, padding);
+    EXPECT_EQ(closed(3, 4, at_end ? 20 : 9), -80);
+    EXPECT_EQ(closed(3, 4, at_end ? 26 : 3), -1024);
+  }
 }
 
 TEST(Padding, AirAroundABodyIsNone) {

@@ -93,8 +93,10 @@ Surfaces surfaces_of(const Ventricles& ventricles, Part wall, const WallEnds& en
   const PartShares& shares = ventricles.shares;
   const bool left = wall == Part::lv_wall;
   const double step = step_voxels(ventricles);
-  return {even_surface(signed_distance(cavity, left ? shares.lv_cavity : shares.rv_cavity), clear, step),
-          even_surface(signed_distance(hull, left ? shares.left : shares.both), clear, step)};
+  return {
+      even_surface(signed_distance(cavity, left ? shares.lv_cavity : shares.rv_cavity), clear, step,
+                   ventricles.label_steps_mm),
+      even_surface(signed_distance(hull, left ? shares.left : shares.both), clear, step, ventricles.label_steps_mm)};
 }
 
 CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces& surfaces, const WallEnds& ends) {

@@ -20,6 +20,7 @@ constexpr double scale_ratio = std::numbers::sqrt2;
 // ever less; what grows faster is shape.
 constexpr double most_growth = scale_ratio;
 constexpr double significant = 3;            // squared details below so many times the noise's are chance
+constexpr double certain = 1.5;              // the same for terraces, whose size is known
 constexpr double normal_median = 0.6744898;  // of the size of a standard normal variable
 
 /// A Gaussian moves a surface of mean curvature H by sigma^2 H; this does not, to second order.
@@ -55,6 +56,50 @@ double noise_mm(const Volume<float>& detail_mm, const std::vector<std::size_t>& 
   return double{*half} / normal_median;
 }
 
+/// What `unbiased` smoothing leaves of a sine wave; its frequency as waves per standard deviation.
+double left_of_wave(double waves) {
+  const double once = std::exp(-2 * std::numbers::pi * std::numbers::pi * waves * waves);
+  return 2 * once - once * once;
+}
+
+/// Mean square of the details of terraces one unit high, a sawtooth, between one scale and the next one, by how many
+/// terraces there are in the finer scale's standard deviation: the squares of the sawtooth's Fourier coefficients.
+double terrace_square(double terraces) {
+  constexpr int waves = 6;
+  constexpr double smoothed_away = 0.7;  // waves in a standard deviation: a ten-thousandth is left
+  double sum = 0;
+  for (int n = 1; n <= waves && n * terraces < smoothed_away; ++n) {
+    const double detail = left_of_wave(n * terraces) - left_of_wave(n * scale_ratio * terraces);
+    sum += detail * detail / (2 * std::numbers::pi * std::numbers::pi * n * n);
+  }
+  return sum;
+}
+
+/// Mean squares, mm2, of the details that the labels' steps make on a surface, per voxel of `on`, by its slope against
+/// the labels' slices.
+std::vector<float> terrace_squares(const LevelSet& surface, const std::vector<std::size_t>& on,
+                                   const LabelSteps& steps_mm, double sigma_mm) {
+  const Grid& g = surface.grid;
+  std::vector<float> result(on.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(on.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      const auto v = static_cast<std::int64_t>(on[n]);
+      const Vec3 normal =
+          normalized(gradient_at(surface, v % g.size[0], v / g.size[0] % g.size[1], v / (g.size[0] * g.size[1])));
+      double sum = 0;
+      for (const Vec3& step : steps_mm) {
+        const double step_mm = norm(step);
+        if (step_mm <= 0) continue;
+        const double height_mm = std::abs(dot(normal, step));
+        const double sine = std::sqrt(std::max(0.0, 1 - height_mm * height_mm / (step_mm * step_mm)));
+        sum += height_mm * height_mm * terrace_square(sigma_mm * sine / step_mm);
+      }
+      result[n] = static_cast<float>(sum);
+    }
+  });
+  return result;
+}
+
 /// Cubes of voxels: statistics over a window need no grid finer than a part of it.
 struct Blocks {
   Grid grid;
@@ -68,25 +113,33 @@ Blocks blocks_of(const Grid& grid, double window_voxels) {
   return blocks;
 }
 
-/// Which share of the details around is more than noise, per block; 0 far from the surface.
-Volume<float> gains(const Volume<float>& detail_mm, const std::vector<std::size_t>& on_surface, double noise,
-                    const Blocks& blocks, double window_voxels) {
+/// Which share of the details around is more than noise and terraces, per block; 0 far from the surface.
+Volume<float> gains(const Volume<float>& detail_mm, const std::vector<std::size_t>& on_surface,
+                    const std::vector<float>& terrace_mm2, double noise, const Blocks& blocks, double window_voxels) {
   constexpr float least_weight = 1e-6F;
   const Grid& g = detail_mm.grid;
-  Volume<float> squares(blocks.grid), weight(blocks.grid);
-  for (const auto v : on_surface) {
+  Volume<float> squares(blocks.grid), terraces(blocks.grid), weight(blocks.grid);
+  for (std::size_t s = 0; s < on_surface.size(); ++s) {
+    const auto v = on_surface[s];
     const auto n = static_cast<std::int64_t>(v), b = blocks.voxels;
     const auto block = static_cast<std::size_t>(
         blocks.grid.offset(n % g.size[0] / b, n / g.size[0] % g.size[1] / b, n / (g.size[0] * g.size[1]) / b));
     squares.voxels[block] += detail_mm.voxels[v] * detail_mm.voxels[v];
+    terraces.voxels[block] += terrace_mm2[s];
     weight.voxels[block] += 1;
   }
   const double window_blocks = window_voxels / static_cast<double>(blocks.voxels);
   squares = smoothed(squares, window_blocks);
+  terraces = smoothed(terraces, window_blocks);
   weight = smoothed(weight, window_blocks);
-  const auto chance = static_cast<float>(significant * noise * noise);
+  const auto noise_chance = static_cast<float>(significant * noise * noise);
   for (std::size_t v = 0; v < weight.voxels.size(); ++v) {
-    const float square = weight.voxels[v] > least_weight ? squares.voxels[v] / weight.voxels[v] : 0;
+    if (weight.voxels[v] <= least_weight) {
+      squares.voxels[v] = 0;
+      continue;
+    }
+    const float square = squares.voxels[v] / weight.voxels[v];
+    const float chance = std::max(noise_chance, static_cast<float>(certain) * terraces.voxels[v] / weight.voxels[v]);
     squares.voxels[v] = square > chance ? 1 - chance / square : 0;
   }
   return squares;
@@ -143,7 +196,7 @@ LevelSet even_surface(const Mask& inside, const Mask& own, double step_voxels) {
   return even_surface(signed_distance(inside, 0), own, step_voxels);
 }
 
-LevelSet even_surface(const LevelSet& surface, const Mask& own, double step_voxels) {
+LevelSet even_surface(const LevelSet& surface, const Mask& own, double step_voxels, const LabelSteps& steps_mm) {
   const double spacing_mm = surface.grid.spacing_mm.x;
   double sigma_voxels = std::min(finest_steps * step_voxels, coarsest_mm / spacing_mm);
   LevelSet once = smoothed(surface, sigma_voxels), twice = smoothed(once, sigma_voxels);
@@ -162,7 +215,8 @@ LevelSet even_surface(const LevelSet& surface, const Mask& own, double step_voxe
     if (std::isfinite(last_noise) && last_noise > 0) growth = std::min(growth, noise / last_noise);
     last_noise = noise;
     const Blocks blocks = blocks_of(result.grid, sigma_voxels);
-    take_away(detail, gains(detail, on.all, noise, blocks, sigma_voxels), blocks, result);
+    const auto terraces = terrace_squares(coarser, on.all, steps_mm, sigma_voxels / scale_ratio * spacing_mm);
+    take_away(detail, gains(detail, on.all, terraces, noise, blocks, sigma_voxels), blocks, result);
     detail = std::move(coarser);
   }
   return result;

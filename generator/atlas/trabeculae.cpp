@@ -19,10 +19,10 @@ constexpr double low_quantile = 0.05, high_quantile = 0.85;  // not the extremes
 Part cavity_of(Part wall) { return wall == Part::lv_wall ? Part::lv_cavity : Part::rv_cavity; }
 
 /// Where trabeculae are looked for: 1 clear of the base.
-Mask trabeculated(const Volume<std::uint8_t>& parts) {
+Mask trabeculated(const Volume<std::uint8_t>& parts, double base_mm) {
   const auto to_other = distance_to(mask_where(parts, [](auto v) { return is(v, Part::other); }));
   Mask mask(parts.grid);
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = to_other.voxels[v] >= smooth_base_mm;
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = to_other.voxels[v] >= base_mm;
   return mask;
 }
 
@@ -60,6 +60,12 @@ Endocardium endocardium_of(const Volume<std::uint8_t>& parts, Part wall, const V
   return surface;
 }
 
+double median_of(std::vector<float> values) {
+  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), half, values.end());
+  return *half;
+}
+
 /// Per point the quantile of `values` over the points within reach.
 std::vector<float> local_quantile(const PointCloud& cloud, const PointTree& tree, const std::vector<float>& values,
                                   double quantile) {
@@ -85,9 +91,15 @@ std::vector<float> local_quantile(const PointCloud& cloud, const PointTree& tree
 
 void give_trabeculae_to_cavity(Volume<std::uint8_t>& parts, Part wall) {
   const auto to_outside = distance_to_outer_surface(parts, wall);
-  const Mask where = trabeculated(parts);
-  const Endocardium surface = endocardium_of(parts, wall, to_outside, where);
+  Mask where = trabeculated(parts, smooth_base_mm);
+  Endocardium surface = endocardium_of(parts, wall, to_outside, where);
   if (surface.cloud.points.empty()) return;
+  // Nearer to the base than a wall is thick, the outside is nearest over its end, and the wall would look thin.
+  if (const double thickness_mm = median_of(surface.thickness_mm); thickness_mm > smooth_base_mm) {
+    where = trabeculated(parts, thickness_mm);
+    surface = endocardium_of(parts, wall, to_outside, where);
+    if (surface.cloud.points.empty()) return;
+  }
   const PointTree tree(3, surface.cloud, tree_leaves);
   const auto opened = local_quantile(
       surface.cloud, tree, local_quantile(surface.cloud, tree, surface.thickness_mm, low_quantile), high_quantile);

@@ -306,6 +306,11 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   const Vec3& voxel = labels.grid.spacing_mm;
   Ventricles result;
   result.label_spacing_mm = std::cbrt(voxel.x * voxel.y * voxel.z);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 step;
+    step[axis] = voxel[axis];
+    result.label_steps_mm[static_cast<std::size_t>(axis)] = lps_from_axes(labels.grid, step);
+  }
   const auto shares = shares_on(parts_of_labels(papillary_as_blood(labels)), grid);
   result.parts = largest_share(shares, grid);
   result.shares = part_shares(shares, grid);

@@ -1,6 +1,7 @@
 // The two ventricles as a label image with an anatomical frame: the common language of patient and atlas.
 // Not collective; the same bits for any number of threads.
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
 
@@ -55,6 +56,7 @@ struct Ventricles {
                                 ///< outside; empty where no valves are known
   std::optional<Plane> cut;     ///< where labels end though the heart goes on; the parts above are made up
   double label_spacing_mm = 0;  ///< of the labels that the parts come from: how coarse their steps are; 0: as the parts
+  std::array<Vec3, 3> label_steps_mm{};  ///< from a voxel of those labels to its next along each axis; zero: unknown
 };
 
 inline double depth_below_base_mm(const HeartFrame& frame, const Vec3& point_mm) {

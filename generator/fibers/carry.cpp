@@ -102,7 +102,7 @@ void set_ventricles(const Hearts& hearts, const TetMesh& mesh, const NodeKinds& 
   const auto edges = edge_graph(mesh, use);
   if (std::find(missing.begin(), missing.end(), 1) != missing.end()) inpaint_axes(edges, iterations, axes, missing);
   std::vector<std::uint8_t> blended(axes.size());
-  for (std::size_t n = 0; n < axes.size(); ++n) blended[n] = kinds.ventricle[n] && walls.is_blended(n);
+  for (std::size_t n = 0; n < axes.size(); ++n) blended[n] = kinds.ventricle[n] && walls.at_junction[n];
   relax_axes(edges, blended, junction_sweeps, axes);
   for (std::size_t n = 0; n < axes.size(); ++n) {
     if (!kinds.ventricle[n]) continue;

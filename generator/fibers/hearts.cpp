@@ -7,6 +7,7 @@
 
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/resample.hpp"
+#include "generator/atlas/share_distance.hpp"
 #include "generator/fibers/push_forward.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
@@ -18,7 +19,8 @@ using atlas::AxisTensor;
 using atlas::Part;
 using atlas::WallPoint;
 
-constexpr double blend_mm = 2;  // the ventricles' fields are blended this far on either side of their junction
+// The ventricles' fields are blended this far on either side of their junction, and turn evenly this far in a mesh.
+constexpr double blend_mm = 0.7, turn_mm = 1.5;
 
 /// The left ventricle's angles go around the long axis, the right one's around the middle of its own cavity.
 Both<Vec3> angle_centers(const atlas::Ventricles& ventricles) {
@@ -98,22 +100,15 @@ void check_patient_handedness(const LabelVolume& labels, const Landmarks& landma
         "that truly is mirrored (situs inversus) needs an atlas of its own");
 }
 
-Volume<float> left_of_junction(const Volume<std::uint8_t>& parts) {
-  const auto to = [&](Part wall) {
-    return atlas::distance_to(atlas::mask_where(parts, [wall](auto v) { return is(v, wall); }));
-  };
-  Volume<float> result = to(Part::rv_wall);
-  const auto to_lv = to(Part::lv_wall);
-  for (std::size_t v = 0; v < result.voxels.size(); ++v) result.voxels[v] -= to_lv.voxels[v];
-  return result;
+double left_of_junction_at(const Hearts& hearts, const Vec3& point_mm) {
+  const Volume<float>& left_mm = hearts.left_of_junction_mm;
+  return sample_linear(left_mm, index_from_lps(left_mm.grid, point_mm));
 }
 
-/// Share of the left ventricle in the field at a point: 1 in its wall, 0 in the right one's, smooth between, so that
-/// each wall keeps its own directions up to near the other.
-double left_share(const Hearts& hearts, const Vec3& point_mm) {
-  const Volume<float>& left_mm = hearts.left_of_junction_mm;
-  const double difference = sample_linear(left_mm, index_from_lps(left_mm.grid, point_mm));
-  const double share = std::clamp(0.5 + 0.5 * difference / blend_mm, 0.0, 1.0);
+/// Share of the left ventricle in the field: 1 in its wall, 0 in the right one's, smooth between, so that each wall
+/// keeps its own directions up to near the other.
+double left_share(double left_mm) {
+  const double share = std::clamp(0.5 + 0.5 * left_mm / blend_mm, 0.0, 1.0);
   return share * share * (3 - 2 * share);
 }
 
@@ -136,6 +131,23 @@ void add_carried(const AngleSamples& samples, const PointWalls& walls, bool left
 
 }  // namespace
 
+Volume<float> left_of_junction(const atlas::Ventricles& ventricles) {
+  const auto& shares = ventricles.shares;
+  Volume<float> left = shares.left, right = shares.both;
+  for (std::size_t v = 0; v < left.voxels.size(); ++v) {
+    right.voxels[v] -= left.voxels[v] + shares.rv_cavity.voxels[v];
+    left.voxels[v] -= shares.lv_cavity.voxels[v];
+  }
+  const auto to = [&](Part wall, const Volume<float>& share) {
+    return atlas::signed_distance(atlas::mask_where(ventricles.parts, [wall](auto v) { return is(v, wall); }), share);
+  };
+  Volume<float> result = to(Part::rv_wall, right);
+  const auto to_left = to(Part::lv_wall, left);
+  for (std::size_t v = 0; v < result.voxels.size(); ++v)
+    result.voxels[v] = 0.5F * (result.voxels[v] - to_left.voxels[v]);
+  return result;
+}
+
 Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atlas::AtlasImage atlas,
                       const std::string& atlas_name, const FiberSettings& settings) {
   Hearts hearts;
@@ -154,7 +166,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
   hearts.patient = atlas::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm);
   check_patient_handedness(labels, landmarks, hearts.patient.frame);
   hearts.registration = register_atlas(hearts.patient, hearts.atlas.ventricles, settings);
-  hearts.left_of_junction_mm = left_of_junction(hearts.patient.parts);
+  hearts.left_of_junction_mm = left_of_junction(hearts.patient);
   hearts.patient_walls.lv = wall_coordinates(hearts.patient, Part::lv_wall);
   hearts.patient_walls.rv = wall_coordinates(hearts.patient, Part::rv_wall);
   hearts.patient_centers_mm = angle_centers(hearts.patient);
@@ -165,15 +177,17 @@ PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
                        const std::vector<std::uint8_t>& wanted) {
   const std::size_t count = points_mm.size();
   PointWalls walls{std::vector<double>(count), std::vector<std::uint8_t>(count), std::vector<WallPoint>(count),
-                   std::vector<WallPoint>(count)};
+                   std::vector<WallPoint>(count), std::vector<std::uint8_t>(count)};
   parallel::parallel_for(0, static_cast<std::int64_t>(count), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
       if (!wanted[n]) continue;
-      walls.left_share[n] = left_share(hearts, points_mm[n]);
+      const double left_mm = left_of_junction_at(hearts, points_mm[n]);
+      walls.left_share[n] = left_share(left_mm);
       const auto lv = wall_point(hearts.patient_walls.lv, hearts.patient.frame, points_mm[n]);
       const auto rv = wall_point(hearts.patient_walls.rv, hearts.patient.frame, points_mm[n]);
       if (!lv && !rv) continue;
       walls.known[n] = 1;
+      walls.at_junction[n] = lv && rv && std::abs(left_mm) < turn_mm;
       if (!lv) walls.left_share[n] = 0;
       if (!rv) walls.left_share[n] = 1;
       if (lv) walls.lv[n] = *lv;

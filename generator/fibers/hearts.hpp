@@ -26,8 +26,12 @@ struct Hearts {
   Both<std::vector<double>> atlas_depth, atlas_thickness_mm;  ///< per sample: where in its wall, and how thick that is
   Both<atlas::WallCoordinates> patient_walls;
   Both<Vec3> patient_centers_mm;      ///< what angles go around: the long axis, the right cavity
-  Volume<float> left_of_junction_mm;  ///< distance to the right wall less that to the left one, in the patient
+  Volume<float> left_of_junction_mm;  ///< of the patient
 };
+
+/// Distance in mm to where the walls meet, positive in the left ventricle's; between voxels, where the labels' shares
+/// have the walls' surfaces.
+Volume<float> left_of_junction(const atlas::Ventricles& ventricles);
 
 /// `labels`: tags of labels.hpp. Throws UserError where a ventricle is missing, where the atlas has no fibres in one,
 /// is mirrored (by its helix) or cannot be aligned, and where the patient is mirrored (by the heart's own shape).
@@ -37,11 +41,11 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
 
 /// What the walls are at a list of points.
 struct PointWalls {
-  std::vector<double> left_share;   ///< of the left ventricle in the field: 0 or 1 but within 2 mm of the junction
+  std::vector<double> left_share;   ///< of the left ventricle in the field: 0 or 1 but within 0.7 mm of the junction
   std::vector<std::uint8_t> known;  ///< 0: too far from both walls
   std::vector<atlas::WallPoint> lv, rv;
+  std::vector<std::uint8_t> at_junction;  ///< 1 within 1.5 mm of the junction, where fibres of a mesh turn evenly
   const atlas::WallPoint& main(std::size_t n) const { return left_share[n] >= 0.5 ? lv[n] : rv[n]; }
-  bool is_blended(std::size_t n) const { return known[n] && left_share[n] > 0 && left_share[n] < 1; }
 };
 PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
                        const std::vector<std::uint8_t>& wanted);

@@ -74,6 +74,9 @@ TEST(EvenSurface, AnExactSphereStaysWhereItIs) {
   const double even = off_sphere_mm(atlas::even_surface(sphere, Mask(sphere.grid, 1), 1), radius_mm);
   EXPECT_LT(even, usual + 0.005);
   EXPECT_LT(even, 0.05);
+  const auto seeing = atlas::even_surface(atlas::signed_distance(sphere, 0), Mask(sphere.grid, 1), 1,
+                                          {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
+  EXPECT_LT(off_sphere_mm(seeing, radius_mm), 0.05);
 }
 
 /// Mean distance of a groove's bottom from where it should be.
@@ -92,6 +95,36 @@ TEST(EvenSurface, AGrooveKeepsItsBottom) {
   const double even = off_groove_mm(atlas::even_surface(groove, own, 1), line);
   EXPECT_GT(usual, 0.5);
   EXPECT_LT(even, 0.8 * usual) << usual;
+}
+
+/// Root mean square distance of the flat top of an ellipsoid of revolution from where it should be.
+double off_top_mm(const LevelSet& surface, double across_mm, double along_mm) {
+  double squares = 0;
+  int count = 0;
+  for (int j = -12; j <= 12; ++j)
+    for (int i = -12; i <= 12; ++i, ++count) {
+      const Vec3 d{i + 0.3, j + 0.2, 0};
+      const double z = along_mm * std::sqrt(1 - dot(d, d) / (across_mm * across_mm));
+      const double off = atlas::distance_along_gradient(surface, middle_mm + d + Vec3{0, 0, z});
+      squares += off * off;
+    }
+  return std::sqrt(squares / count);
+}
+
+TEST(EvenSurface, TerracesOfWideSlicesAreNoShape) {
+  constexpr double across_mm = 36, along_mm = 22, slice_mm = 2;
+  const auto depth = [](const Vec3& d) {
+    return (d.x * d.x + d.y * d.y) / (across_mm * across_mm) + d.z * d.z / (along_mm * along_mm);
+  };
+  const Mask sliced = filled([&](const Vec3& d, std::size_t) {
+    return depth({d.x, d.y, slice_mm * std::round(d.z / slice_mm)}) < 1;
+  });
+  const auto distance = atlas::signed_distance(sliced, 0);
+  const Mask own(sliced.grid, 1);
+  const double blind = off_top_mm(atlas::even_surface(distance, own, 1), across_mm, along_mm);
+  const atlas::LabelSteps steps_mm{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, slice_mm}};
+  const double seeing = off_top_mm(atlas::even_surface(distance, own, 1, steps_mm), across_mm, along_mm);
+  EXPECT_LT(seeing, 0.9 * blind) << blind;
 }
 
 TEST(EvenSurface, CoarseLabelsAndEmptyMasksAreSmoothedAsFarAsWallsBend) {

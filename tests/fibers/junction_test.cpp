@@ -43,6 +43,25 @@ std::vector<Vec3> right_wall_between(const LabelVolume& labels, double from_mm, 
   return points;
 }
 
+TEST(Junction, WallsMeetBetweenVoxelsWhereTheLabelsHaveIt) {
+  constexpr double meet_mm = 10.3, middle_mm = 12, half_mm = 6;
+  Grid grid;
+  grid.size = {24, 24, 24};
+  atlas::Ventricles walls;
+  walls.parts = Volume<std::uint8_t>(grid);
+  auto& shares = walls.shares;
+  shares.lv_cavity = shares.rv_cavity = shares.left = shares.both = Volume<float>(grid);
+  for (std::size_t v = 0; v < walls.parts.voxels.size(); ++v) {
+    const Vec3 p = atlas::voxel_center(grid, static_cast<std::int64_t>(v));
+    if (std::abs(p.y - middle_mm) > half_mm || std::abs(p.z - middle_mm) > half_mm) continue;
+    walls.parts.voxels[v] = tag(p.x < meet_mm ? atlas::Part::lv_wall : atlas::Part::rv_wall);
+    shares.left.voxels[v] = static_cast<float>(std::clamp(0.5 + 0.5 * (meet_mm - p.x), 0.0, 1.0));
+    shares.both.voxels[v] = 1;
+  }
+  const auto left_mm = fibers::left_of_junction(walls);
+  for (int i = 6; i <= 14; ++i) EXPECT_NEAR(left_mm(i, 12, 12), meet_mm - i, 0.05) << i;
+}
+
 TEST(Junction, AnAtlasThatBendsIntoTheJunctionTurnsNoFibersOfAPatientWhoseWallDoesNot) {
   const auto model = datasets::make_heart_model(3);
   const auto marks = datasets::landmarks_of(model);

@@ -143,6 +143,27 @@ TEST(Trabeculae, ANarrowRidgeBecomesCavityAndTheWallUnderItStays) {
   EXPECT_LT(lost, 0.03 * wall);
 }
 
+TEST(Trabeculae, AThickWallIsNotThinnedTowardsItsBase) {
+  constexpr double inner_mm = 20, outer_mm = 34, orifice_mm = 26;
+  Volume<std::uint8_t> parts(cube(80, 1));
+  const Vec3 middle{39.3, 39.6, 0};
+  std::int64_t walls = 0, left = 0;
+  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
+    const Vec3 p = atlas::voxel_center(parts.grid, static_cast<std::int64_t>(v)) - middle;
+    const double radius = std::hypot(p.x, p.y);
+    const bool below = p.z < 60;
+    const Part part = !below              ? (radius < orifice_mm ? Part::other : Part::outside)
+                      : radius < inner_mm ? Part::lv_cavity
+                      : radius < outer_mm ? Part::lv_wall
+                                          : Part::outside;
+    parts.voxels[v] = tag(part);
+    walls += part == Part::lv_wall;
+  }
+  atlas::give_trabeculae_to_cavity(parts, Part::lv_wall);
+  for (const auto v : parts.voxels) left += is(v, Part::lv_wall);
+  EXPECT_GT(static_cast<double>(left), 0.99 * static_cast<double>(walls));  // voxels' steps take a few
+}
+
 TEST(HelixAngle, ARightHandedHelixIsPositive) {
   atlas::WallPoint wall;  // on the +x side of a heart whose base is up
   wall.normal = {1, 0, 0};

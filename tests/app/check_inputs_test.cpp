@@ -35,7 +35,8 @@ TEST(CutVentricles, AreRefusedWhereMoreThanTheirTipIsMissing) {
   refuse_cut_ventricles(aorta, {});
   segment::Padding above;  // of all rows from the column's side on: beside it nothing was measured
   above.width = 40;
-  for (int c = 0; c < 40 * 40; ++c) above.is_padded.push_back(c / 40 >= 26);
+  above.is_slice.resize(40, 0);
+  for (int c = 0; c < 40 * 40; ++c) above.is_column.push_back(c / 40 >= 26);
   EXPECT_NE(testing::error_of([&] { refuse_cut_ventricles(column(1), above); }).find("cuts"), std::string::npos);
 }
 

@@ -25,7 +25,7 @@ namespace heart::benchmarks {
 namespace {
 
 constexpr const char* bench = "mesh-myocardium";
-constexpr double voxel_mm = 0.5, smoothing_mm = 0.8, thinnest_mm = 1;  // of the level sets
+constexpr double voxel_mm = 0.5, smoothing_mm = 0.8, thinnest_mm = 1;  // of the level set
 constexpr double growth = 0.35;                                        // of edges, per mm of distance from the surface
 constexpr double wanted_cells = 1.25e6;
 constexpr double cgal_edges = 2;  // of ours: as many cells would take it minutes, and its speed per cell hardly changes
@@ -108,9 +108,7 @@ LevelSet solid_of(const Settings& settings) {
   const auto labels = labels_of(settings);
   const auto box = box_of_walls(labels);
   if (box.empty()) throw UserError("the label map has no wall of the heart", "bench", "name another one");
-  MeshSettings smoothed;
-  smoothed.smoothing_mm = smoothing_mm;
-  const auto domain = mesh::make_domain(cropped(labels, box), smoothed);
+  const auto domain = mesh::make_domain(cropped(labels, box), MeshSettings{});
   return mesh::solid_level_set(domain, is_myocardium, voxel_mm, smoothing_mm, thinnest_mm);
 }
 

@@ -213,9 +213,8 @@ struct MeshSettings {
   double torso_edge_mm = 12;           // in the torso, away from the heart
   double trachea_edge_mm = 1.6;
   double carotid_edge_mm = 0.9;
-  double smoothing_mm =
-      0;                 // the label map is smoothed by this much before surfaces are taken; 0: half the heart's edge
-  double growth = 0.35;  // increase of the edge length per mm of distance from the heart
+  double smoothing_mm = 0.8;  // the label map is smoothed by this much before surfaces are taken
+  double growth = 0.35;       // increase of the edge length per mm of distance from the heart
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -228,7 +227,7 @@ struct MeshSettings {
     v("torso_edge_mm", s.torso_edge_mm, "edge length in the torso, away from the heart");
     v("trachea_edge_mm", s.trachea_edge_mm, "edge length in the trachea");
     v("carotid_edge_mm", s.carotid_edge_mm, "edge length in the carotid");
-    v("smoothing_mm", s.smoothing_mm, "smoothing of the label map before surfaces are taken, 0: half of heart_edge_mm");
+    v("smoothing_mm", s.smoothing_mm, "smoothing of the label map before surfaces are taken");
     v("growth", s.growth, "increase of the edge length per mm of distance from the heart");
   }
 };

@@ -52,9 +52,6 @@ MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm, double bo
 /// Sets `voxels` and `cubes` in a box from the shares; `labels` is the map that they come from.
 void update_regions(MeshDomain& domain, const LabelVolume& labels, const Box& box);
 
-/// Smoothing of the heart: as asked for or, where nothing is, what its edges can follow.
-double smoothing_mm(const MeshSettings& settings);
-
 /// What the meshes of the heart and the torso are made of: the body's smoothing grows with its finest edges as the
 /// heart's does with the heart's.
 MeshDomain make_domain(const LabelVolume& labels, const MeshSettings& settings);

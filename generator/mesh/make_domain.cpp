@@ -194,14 +194,9 @@ MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm, double bo
   return domain;
 }
 
-double smoothing_mm(const MeshSettings& settings) {
-  constexpr double usual_edges = 0.5;  // narrower bends than edges can follow would only be cut
-  return settings.smoothing_mm > 0 ? settings.smoothing_mm : usual_edges * settings.heart_edge_mm;
-}
-
 MeshDomain make_domain(const LabelVolume& labels, const MeshSettings& settings) {
-  const double heart_mm = smoothing_mm(settings);
-  return make_domain(labels, heart_mm, heart_mm * finest_body_edge_mm(settings) / settings.heart_edge_mm);
+  const double body_edge_mm = finest_body_edge_mm(settings);
+  return make_domain(labels, settings.smoothing_mm, settings.smoothing_mm * body_edge_mm / settings.heart_edge_mm);
 }
 
 }  // namespace heart::mesh

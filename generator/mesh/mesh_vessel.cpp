@@ -179,7 +179,7 @@ VesselDomain vessel_domain(const Mask& lumen, Region vessel, const MeshSettings&
                     "it must be a positive number");
   domain.wall_edge_mm = (is_trachea ? 1 : wall_per_edge) * domain.edge_mm;
   domain.stub_mm = stub_edges * domain.edge_mm;
-  const double smoothing_mm = std::min(mesh::smoothing_mm(settings), smoothing_per_edge * domain.wall_edge_mm);
+  const double smoothing_mm = std::min(settings.smoothing_mm, smoothing_per_edge * domain.wall_edge_mm);
   domain.lumen = make_domain(cropped(without_thin_branches(lumen, least_radius_edges * domain.wall_edge_mm), vessel),
                              smoothing_mm);
   Mask smooth(domain.lumen.grid);

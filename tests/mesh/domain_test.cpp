@@ -76,16 +76,6 @@ TEST(Domain, SmoothingTheBodyLeavesTheHeartAlone) {
   EXPECT_EQ(bone_after, 0) << "a sheet of half of the smoothing's width is a detail";
 }
 
-TEST(Domain, SmoothingFollowsTheEdgesUnlessGiven) {
-  MeshSettings settings;
-  for (const double edge_mm : {0.8, 1.8, 3.0}) {
-    settings.heart_edge_mm = edge_mm;
-    EXPECT_DOUBLE_EQ(mesh::smoothing_mm(settings), edge_mm / 2);
-  }
-  settings.smoothing_mm = 0.7;
-  EXPECT_DOUBLE_EQ(mesh::smoothing_mm(settings), 0.7);
-}
-
 TEST(Domain, UniformCubesAgreeWithTheShares) {
   const auto labels = label_cube(24, 1.5, [](const Vec3& p) {
     return norm(p) < 8    ? Region::lv_blood

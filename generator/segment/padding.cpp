@@ -42,9 +42,9 @@ std::int64_t reach_of(double spacing_mm) {
   return std::max<std::int64_t>(least_voxels, std::llround(thickness_mm / spacing_mm));
 }
 
-/// Places of the image that belong to no padding: an image is asked for one value.
+/// Where an image holds nothing but one value.
 struct Even {
-  std::vector<std::uint8_t> column, slice;  // 1 where there is nothing but the value
+  std::vector<std::uint8_t> column, slice;  // 1: all of it, but for what lies in slices that are empty anyway
 };
 
 Even find_even(const CtVolume& ct, const Columns& columns, std::int16_t value) {

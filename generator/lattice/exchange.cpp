@@ -253,6 +253,8 @@ bool keeps_topology(const Contacts& contacts, int own, int other) {
 bool relabel_tip(Complex& c, std::int32_t id) {
   const Cell cell = c.cell(id);
   const int own = c.label_of(id);
+  // Around a frozen node there may be cells that are not seen here.
+  if (std::any_of(cell.begin(), cell.end(), [&](auto n) { return c.is_frozen(n); })) return false;
   for (std::size_t i = 0; i < 4; ++i)  // the outside has no cells to look at
     if (cells_at_face(c, cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4])[1] < 0) return false;
   const auto contacts = contacts_of(c, id);

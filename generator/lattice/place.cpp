@@ -53,10 +53,12 @@ Place place_around(const Complex& c, std::int32_t id, int rings) {
 void put_back(Complex& c, Place& place, const Complex& changed) {
   for (const auto t : place.cells) remove_cell(c, t);
   for (std::size_t n = 0; n < changed.nodes_mm.size(); ++n) {
-    if (n < place.nodes.size())
+    if (n < place.nodes.size()) {
       c.nodes_mm[static_cast<std::size_t>(place.nodes[n])] = changed.nodes_mm[n];
-    else
+      c.touches[static_cast<std::size_t>(place.nodes[n])] = changed.touches[n];
+    } else {
       place.nodes.push_back(add_node(c, changed.nodes_mm[n], changed.touches[n], changed.spacing_mm[n]));
+    }
   }
   for (std::size_t t = 0; t < changed.cells.size(); ++t) {
     Cell cell = changed.cells[t];

@@ -11,7 +11,7 @@ namespace heart::lattice {
 
 struct RepairSettings {
   double goal = 0.512;      ///< quality (see quality.hpp) that every cell should have: angles in [30.8, 143] degrees
-  double least = 0.49;      ///< cells below this are worth the costly shakes: angles in [29.4, 144.8] degrees
+  double least = 0.512;     ///< cells below this are worth the costly shakes
   int sweeps = 12;          ///< at most
   double middle = 0.1;      ///< of the lattice's width: how far the middle of a new edge may leave its surface
   bool may_relabel = true;  ///< thin tips of a region may change to the region that they stick into

@@ -36,7 +36,8 @@ constexpr int edges_of_cell = 6, modest_from = edges_of_cell, thorough_from = mo
               divided_and_shaken_from = thorough_from + 2, most_tries = divided_and_shaken_from + edges_of_cell;
 
 void try_to_mend(Complex& part, const Materials& materials, RepairSettings settings, double enough, int number) {
-  settings.may_relabel = false;  // labels beyond the place are not seen
+  settings.may_relabel =
+      settings.may_relabel && number >= modest_from;  // it moves a surface: only where dividing does not help
   settings.least = enough;
   const bool divides = number < modest_from || number >= divided_and_shaken_from;
   if (divides) {
@@ -134,19 +135,20 @@ void mend(std::vector<Job>& jobs, const Materials& materials, const RepairSettin
 
 }  // namespace
 
-std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough) {
+std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough,
+                    OnFailure on_failure) {
   constexpr std::size_t always = 30, cells_for_one = 30'000;
   auto bad = cells_below(complex, enough);
   // More are not a few: the whole has to be made in another way.
   if (bad.size() > std::max(always, complex.cells.size() / cells_for_one)) return static_cast<std::int64_t>(bad.size());
-  // The worst alone: where it cannot be mended, all others are mended in vain.
+  // The worst alone: where it cannot be mended and that is the end, all others are mended in vain.
   std::size_t at_once = 1;
   for (bool is_lost = false; !is_lost && !bad.empty(); at_once = 4) {
     auto jobs = next_places(complex, bad, enough, at_once);
     mend(jobs, materials, settings, enough);
     for (auto& job : jobs) {
       if (job.is_better) put_back(complex, job.place, job.best);
-      is_lost = is_lost || !job.is_enough;  // nothing makes the whole good enough now
+      is_lost = is_lost || (on_failure == OnFailure::stop && !job.is_enough);
     }
   }
   return static_cast<std::int64_t>(cells_below(complex, enough).size());

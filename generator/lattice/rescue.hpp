@@ -9,9 +9,14 @@
 
 namespace heart::lattice {
 
-/// Works on the cells below `enough`, the worst first, until one cannot be raised to that: the whole is then as good as
-/// its worst cell whatever the others do. What they end with is never worse. Returns how many of them are left. Needs
-/// `touches` to be what the cells make them (derive_touches). The same result for any number of threads.
-std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough);
+/// What to do where a cell cannot be raised far enough: the whole is then as good as its worst cell whatever the others
+/// do, so that a mesh which can be made in another way need not be mended any further.
+enum class OnFailure { stop, go_on };
+
+/// Works on the cells below `enough`, the worst first. What they end with is never worse. None where there are too many
+/// of them. Returns how many are left. Needs `touches` to be what the cells make them (derive_touches). The same result
+/// for any number of threads.
+std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough,
+                    OnFailure on_failure);
 
 }  // namespace heart::lattice

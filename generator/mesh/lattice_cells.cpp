@@ -76,7 +76,7 @@ struct Attempt {
   std::int64_t below_goal = 0;
   std::int64_t meeting = std::numeric_limits<std::int64_t>::max();  // pairs of outer faces that pass through each other
   double worst = -1;                                                // quality
-  bool is_fitted = false;
+  bool is_finished = false;
 };
 
 bool is_better(const Attempt& a, const Attempt& b) {
@@ -102,13 +102,19 @@ void separate(Attempt& made, const Task& task) {
   task.watch->note("separate");
 }
 
-void fit(Attempt& made, const Task& task) {
+void finish(Attempt& made, const Task& task) {
+  auto& c = made.complex;
+  const auto& materials = *task.materials;
+  lattice::rescue(c, materials, task.repairing, kept_quality, lattice::OnFailure::go_on);
+  task.watch->note("polish");
+  lattice::ease_faces(c, materials, task.repairing.least, task.aims.fitted);
+  task.watch->note("ease");
   lattice::FitSettings fitting;
-  fitting.enough = task.aims.enough;
   fitting.labels = task.aims.fitted;
-  lattice::fit_faces(made.complex, *task.materials, task.repairing, fitting);
-  made.is_fitted = true;
+  lattice::fit_faces(c, materials, task.repairing, fitting);
   task.watch->note("fit");
+  separate(made, task);
+  made.is_finished = true;
 }
 
 // Fits only what has no cell that is too bad: else another attempt follows, which may be better.
@@ -125,12 +131,13 @@ Attempt attempt(const Task& task, double reach) {
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, task.repairing.least);
   watch.note("balance");
-  const auto too_bad = lattice::rescue(made.complex, materials, task.repairing, task.aims.enough);
+  const auto too_bad =
+      lattice::rescue(made.complex, materials, task.repairing, task.aims.enough, lattice::OnFailure::stop);
   watch.note("rescue");
-  lattice::ease_faces(made.complex, materials, task.repairing.least, task.aims.fitted);
-  watch.note("ease");
-  if (too_bad == 0) fit(made, task);
-  separate(made, task);
+  if (too_bad == 0)
+    finish(made, task);
+  else
+    separate(made, task);
   return made;
 }
 
@@ -160,17 +167,13 @@ lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<
                                  std::int64_t crumb_cells, LatticeReport* report, const LatticeAims& aims) {
   StepWatch watch{report};
   Task task{&materials, manifold_sets, crumb_cells, aims, {}, &watch};
-  task.repairing.least = aims.least;
   Attempt best;
   for (const double reach : reaches) {
     auto made = attempt(task, reach);
     if (is_better(made, best)) best = std::move(made);
     if (best.meeting == 0 && best.worst >= aims.enough) break;
   }
-  if (!best.is_fitted) {
-    fit(best, task);
-    separate(best, task);
-  }
+  if (!best.is_finished) finish(best, task);
   if (report != nullptr) report->cells_below_goal = best.below_goal;
   return std::move(best.complex);
 }

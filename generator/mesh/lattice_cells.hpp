@@ -32,14 +32,16 @@ struct StepWatch {
   void note(const std::string& step);
 };
 
-/// Qualities (lattice/quality.hpp) that the repair works for.
+/// A little below the goal of repair: angles in [30.8, 143] degrees. What is above stays above.
+constexpr double kept_quality = 0.5116;
+
+/// What the mesh is made for.
 struct LatticeAims {
-  double least = 0.49;              ///< cells below are worth every means
-  double enough = 0.4885;           ///< where no cell is below, nothing is tried again: angles in [29, 145] degrees
+  double enough = 0.4885;           ///< quality: where no cell is below, nothing is tried again: angles in [29, 145]
   lattice::LabelBits fitted = ~0U;  ///< surfaces of these are followed closely everywhere (lattice/fit.hpp)
 };
-/// Angles in [30, 143] degrees. Where several materials meet in an edge that is too much to ask.
-constexpr LatticeAims one_material{0.512, 0.5116};
+/// Where several materials meet in an edge it may be too much to ask of every cell.
+constexpr LatticeAims one_material{kept_quality};
 
 /// The domain as materials, in mm along the axes of its grid. Both must outlive the result.
 lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes_mm);

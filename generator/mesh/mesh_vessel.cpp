@@ -9,6 +9,7 @@
 
 #include "generator/adapters/cgal_mesher.hpp"
 #include "generator/lattice/repair.hpp"
+#include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
 #include "generator/mesh/curves.hpp"
 #include "generator/mesh/domain.hpp"
@@ -105,10 +106,15 @@ adapters::LabelledCells lattice_vessel(const VesselDomain& domain) {
   const LabelSet inside = only_lumen();
   const auto materials = materials_of(domain);
   auto complex = lattice_complex(materials, std::span(&inside, 1), crumb_cells);
-  flatten_cuts(complex, domain);
   lattice::RepairSettings repairing;
   repairing.may_relabel = false;  // it would take cells out of a cut
-  lattice::repair(complex, materials, repairing);
+  constexpr int rounds = 3;       // what would flatten a cell has room after a repair
+  for (int round = 0; round < rounds; ++round) {
+    const auto off = flatten_cuts(complex, domain);
+    lattice::repair(complex, materials, repairing);
+    if (off == 0) break;
+  }
+  lattice::rescue(complex, materials, repairing, kept_quality, lattice::OnFailure::go_on);
   lattice::separate_sheets(complex, repairing.least);
   lattice::compress(complex);
   auto cells = collect(complex, domain.lumen.grid);

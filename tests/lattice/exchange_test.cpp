@@ -70,6 +70,15 @@ TEST(RelabelTip, FiveMaterialsMeet) {
   }
 }
 
+TEST(RelabelTip, NotWhereANodeIsFrozen) {
+  auto [c, cell] = tip_between(1);
+  ASSERT_GE(cell, 0);
+  c.frozen.assign(c.nodes_mm.size(), 0);
+  c.frozen[static_cast<std::size_t>(c.cell(cell)[2])] = 1;
+  EXPECT_FALSE(lattice::relabel_tip(c, cell)) << "cells beyond a place that was cut out are not seen";
+  EXPECT_EQ(c.label_of(cell), 1);
+}
+
 TEST(RelabelTip, NotWhereAMaterialWouldBeJoinedOrParted) {
   auto [c, cell] = tip_between(3);
   ASSERT_GE(cell, 0);

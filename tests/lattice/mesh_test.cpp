@@ -35,13 +35,6 @@ void expect_angles(const Complex& c, double least, double most) {
   EXPECT_GT(least_volume(c), 0);
 }
 
-// One material: the finer bounds are worth any effort.
-lattice::RepairSettings thorough() {
-  lattice::RepairSettings settings;
-  settings.least = settings.goal;
-  return settings;
-}
-
 // Distance of each constrained node to its surfaces, in lattice widths.
 double farthest_node(const Complex& c, const Materials& m) {
   double farthest = 0;
@@ -54,7 +47,7 @@ double farthest_node(const Complex& c, const Materials& m) {
 
 TEST(LatticeMesh, BallHasGoodAnglesItsVolumeAndOneClosedSurface) {
   const auto m = materials_of(ball(12), 14, 1);
-  const auto [c, below] = mesh_of(m, thorough());
+  const auto [c, below] = mesh_of(m);
   EXPECT_EQ(below, 0);
   expect_angles(c, 30, 143);
   EXPECT_EQ(defects(c), 0);
@@ -65,7 +58,7 @@ TEST(LatticeMesh, BallHasGoodAnglesItsVolumeAndOneClosedSurface) {
 
 TEST(LatticeMesh, BalancingSetsTheVolumeRightAndKeepsTheAngles) {
   const auto m = materials_of(ball(8), 10, 1.5);
-  auto c = mesh_of(m, thorough()).complex;
+  auto c = mesh_of(m).complex;
   const double exact = 4.0 / 3 * std::numbers::pi * 8 * 8 * 8;
   const double before = std::abs(volume_of(c, 1) - exact);
   lattice::balance_surfaces(c, m, 0.49);
@@ -90,7 +83,7 @@ std::array<double, 2> distances_to_sphere(const Complex& c, double radius) {
 TEST(LatticeMesh, BalancedFacesLieCloseToTheSurfaceAndKeepItsVolume) {
   for (const double radius : {4.0, 7.0, 12.0}) {  // 3 to 10 edges
     const auto m = materials_of(ball(radius), radius + 2, 1.2);
-    auto c = mesh_of(m, thorough()).complex;
+    auto c = mesh_of(m).complex;
     lattice::balance_surfaces(c, m, 0.49);
     const auto distances = distances_to_sphere(c, radius);
     EXPECT_LE(distances[0], 0.1) << radius;
@@ -101,7 +94,7 @@ TEST(LatticeMesh, BalancedFacesLieCloseToTheSurfaceAndKeepItsVolume) {
 }
 
 Complex balanced(const Materials& m) {
-  auto c = mesh_of(m, thorough()).complex;
+  auto c = mesh_of(m).complex;
   lattice::balance_surfaces(c, m, 0.49);
   return c;
 }
@@ -190,7 +183,7 @@ TEST(LatticeMesh, GradedLatticeKeepsTheBounds) {
 TEST(LatticeMesh, SidesOfTheBoxCutFlat) {
   // A ball that sticks out of the box through all six sides.
   const auto m = materials_of(ball(13), 10, 1.1);
-  const auto [c, below] = mesh_of(m, thorough());
+  const auto [c, below] = mesh_of(m);
   expect_angles(c, 30, 143);
   EXPECT_EQ(defects(c), 0);
   double on_sides = 0;
@@ -238,7 +231,7 @@ TEST(LatticeMesh, SheetThinnerThanAnEdgeHasNoDents) {
   const Fields shell{[](const Vec3&) { return 0.0; },
                      [=](const Vec3& p) { return 0.5 * thickness - std::abs(norm(p) - 8); }};
   const auto m = materials_of(shell, 10, 1.2);
-  const auto c = mesh_of(m, thorough()).complex;
+  const auto c = mesh_of(m).complex;
   const double inner = 8 - 0.5 * thickness, outer = 8 + 0.5 * thickness;
   const double exact = 4.0 / 3 * std::numbers::pi * (outer * outer * outer - inner * inner * inner);
   EXPECT_NEAR(volume_of(c, 1), exact, 0.03 * exact);

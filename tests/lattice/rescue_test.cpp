@@ -49,7 +49,7 @@ TEST(Rescue, BadCellsAreMendedAndTheMeshStaysWhole) {
   auto c = bad_ball(m);
   const double volume = volume_of(c, 1);
   ASSERT_GT(cells_below(c).size(), 3U);
-  EXPECT_EQ(lattice::rescue(c, m, aims(), enough), 0);
+  EXPECT_EQ(lattice::rescue(c, m, aims(), enough, lattice::OnFailure::stop), 0);
   EXPECT_EQ(cells_below(c).size(), 0U);
   lattice::compress(c);
   EXPECT_EQ(defects(c), 0);
@@ -63,7 +63,7 @@ TEST(Rescue, FrozenNodesStayAndNothingGetsWorse) {
   c.frozen.assign(c.nodes_mm.size(), 1);
   const auto before = c.nodes_mm;
   const double worst = worst_of(c);
-  lattice::rescue(c, m, aims(), enough);
+  lattice::rescue(c, m, aims(), enough, lattice::OnFailure::stop);
   EXPECT_GE(worst_of(c), worst);
   for (std::size_t n = 0; n < before.size(); ++n) EXPECT_EQ(norm(c.nodes_mm[n] - before[n]), 0) << n;
 }
@@ -75,7 +75,7 @@ TEST(Rescue, SameBitsForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 3}) {
     parallel::set_thread_count(threads);
     auto c = bad_ball(m);
-    lattice::rescue(c, m, aims(), enough);
+    lattice::rescue(c, m, aims(), enough, lattice::OnFailure::stop);
     nodes.push_back(c.nodes_mm);
     cells.push_back(c.cells);
   }

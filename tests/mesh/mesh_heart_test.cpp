@@ -162,8 +162,8 @@ TEST(LatticeBackend, MeshesTheSmallHeartWithGoodAngles) {
   const auto mesh = mesh::mesh_labels(labels, settings, &steps);
   const auto report = check(mesh);
   EXPECT_TRUE(all_passed(report)) << failed_rows(report);
-  EXPECT_GE(row_value(report, "mesh", "dihedral_min"), 25);
-  EXPECT_LE(row_value(report, "mesh", "dihedral_max"), 145);
+  EXPECT_GE(row_value(report, "mesh", "dihedral_min"), 30);
+  EXPECT_LE(row_value(report, "mesh", "dihedral_max"), 143);
   EXPECT_GE(steps.seconds.size(), 3U);
   for (const auto region : {Region::lv_myocardium, Region::rv_myocardium, Region::lv_blood, Region::rv_blood}) {
     const double wanted = region_volume_mm3(labels, region);

@@ -81,8 +81,8 @@ TEST(OwnEdges, AreInTheMeshAndTheRestIsAsWithout) {
   EXPECT_LT(ratio, 10);
   EXPECT_NEAR(mean_cell_volume_mm3(without, -15, -11) / mean_cell_volume_mm3(with, -15, -11), 1, 0.15);
   const auto report = validation::check_mesh("mesh", with, {});
-  EXPECT_GE(row_value(report, "mesh", "dihedral_min"), 25);
-  EXPECT_LE(row_value(report, "mesh", "dihedral_max"), 145);
+  EXPECT_GE(row_value(report, "mesh", "dihedral_min"), 30);
+  EXPECT_LE(row_value(report, "mesh", "dihedral_max"), 143);
 }
 
 TEST(OwnEdges, MayBeLongerThanTheWalls) {

@@ -40,6 +40,7 @@ Table bench_mesh_ventricles(const Settings& settings, const parallel::Comm& comm
 Table bench_mesh_myocardium(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_walls(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_backends(const Settings& settings, const parallel::Comm& comm);
+Table bench_mesh_heart(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_torso(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_vessels(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_slice(const Settings& settings, const parallel::Comm& comm);

@@ -13,6 +13,7 @@ const std::vector<Benchmark>& all() {
       {"mesh-myocardium", "the walls of a label map as one material, next to CGAL's Mesh_3", bench_mesh_myocardium},
       {"mesh-walls", "200 random walls of three materials", bench_mesh_walls},
       {"mesh-backends", "the heart of a label map by every back end of the mesher", bench_mesh_backends},
+      {"mesh-heart", "walls of a label map as five regions, with the blood in them", bench_mesh_heart},
       {"mesh-torso", "heart and torso of a label map: angles, distances, volumes", bench_mesh_torso},
       {"mesh-vessels", "trachea of a label map and a carotid of 540 k cells, next to CGAL", bench_mesh_vessels},
       {"mesh-slice", "the 2D thorax slice of thesis 8.3.1", bench_mesh_slice},

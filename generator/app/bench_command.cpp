@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/benchmarks.hpp"
+#include "generator/app/watch.hpp"
 #include "model/error.hpp"
 #include "model/text.hpp"
 
@@ -38,6 +40,19 @@ void print(const Row& row) {
   std::fflush(stdout);
 }
 
+void tell(const std::string& text) {
+  fmt::print(stderr, "heartgen bench: {}\n", text);
+  std::fflush(stderr);
+}
+
+/// Says what is measured, and that it still is: a line in ten seconds is nothing to what is measured.
+std::unique_ptr<Watch> watch_over(const Benchmark& bench, std::size_t n, std::size_t count) {
+  tell(fmt::format("{} ({} of {}): {}", bench.name, n, count, bench.help));
+  return std::make_unique<Watch>(longest_silence, [name = bench.name](double seconds) {
+    tell(fmt::format("{}: {:.0f} s so far", name, seconds));
+  });
+}
+
 }  // namespace
 
 int bench_command(const BenchCommand& command, const parallel::Comm& comm) {
@@ -45,13 +60,18 @@ int bench_command(const BenchCommand& command, const parallel::Comm& comm) {
                                       command.threads, command.labels,     command.variant};
   benchmarks::count_processor_time(command.processor_time);
   Json all = Json::array();
-  for (const auto& bench : chosen(command.names))
-    for (const Row& row : bench.run(settings, comm)) {
-      if (!comm.is_root()) continue;
+  const auto list = chosen(command.names);
+  for (std::size_t n = 0; n < list.size(); ++n) {
+    auto watch = comm.is_root() ? watch_over(list[n], n + 1, list.size()) : nullptr;
+    const auto rows = list[n].run(settings, comm);
+    watch.reset();
+    if (!comm.is_root()) continue;
+    for (const Row& row : rows) {
       if (!command.json) print(row);
       all.push_back(
           {{"bench", row.bench}, {"what", row.what}, {"value", row.value}, {"unit", row.unit}, {"note", row.note}});
     }
+  }
   if (command.json && comm.is_root()) fmt::print("{}\n", all.dump(1));
   return 0;
 }

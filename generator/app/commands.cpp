@@ -21,6 +21,7 @@
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/segment/filters.hpp"
+#include "generator/segment/hounsfield.hpp"
 #include "generator/segment/padding.hpp"
 #include "model/error.hpp"
 #include "model/feature_curves.hpp"
@@ -52,6 +53,7 @@ CtVolume ct_of_labels(const std::string& path, const LabelVolume& labels) {
   if (!labels::same_place(ct.grid, labels.grid))
     throw UserError("has another size, spacing or place than the bundle's label map", path,
                     "give the CT that the bundle was made from, or none");
+  segment::require_hounsfield(ct, path);
   labels::refuse_labels_beside_heart(labels, ct, path);
   return ct;
 }

@@ -101,15 +101,10 @@ segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& 
     if (padding.is_there())
       remarks.push_back(
           fmt::format("The CT holds {} HU where nothing was measured: the body ends there, with a surface that is "
-                      "called skin.",
+                      "called fov_cut.",
                       padding.value_hu));
   });
   return padding;
-}
-
-void clear_unmeasured(Staged<CtVolume>& ct, Staged<LabelVolume>& labels, const segment::Padding& padding) {
-  segment::reopen_padding(ct.value, padding);
-  segment::clear_padding(labels.value, padding);
 }
 
 bool chambers_are_marked(const Landmarks& landmarks) {
@@ -158,7 +153,8 @@ KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe
   return known;
 }
 
-Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const KnownLabels& known) {
+Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const KnownLabels& known,
+                             const segment::Padding& padding) {
   const auto from_file = [&](const char* stage) { return run.files.replaced_by.contains(stage); };
   const bool whole_map = from_file("labels") || !(known.missing.any() || from_file("chambers") ||
                                                   from_file("epicardium") || from_file("body"));
@@ -181,17 +177,22 @@ Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe&
   const auto chambers = run.root_stage("chambers", sources, [&] {
     LabelVolume own(ct->grid);
     if (make_chambers) own = segment::split_chambers(*ct, *tree, recipe.landmarks, recipe.chambers);
+    segment::clear_padding(own, padding);
     own = labels::with_given(std::move(own), given, labels::Group::chambers);
     return labels::with_filled_pockets(std::move(own), given);
   });
   const auto walls =
-      run.stage("epicardium", {ct.key, chambers.key, known.given.key, recipe_section(recipe, "epicardium")},
-                [&] { return make_walls(run, *ct, *chambers, given, known.missing.walls, recipe); });
+      run.stage("epicardium", {ct.key, chambers.key, known.given.key, recipe_section(recipe, "epicardium")}, [&] {
+        auto own = make_walls(run, *ct, *chambers, given, known.missing.walls, recipe);
+        segment::clear_padding(own, padding);
+        return own;
+      });
   const auto body = run.root_stage("body", with(sources, chambers.key), [&] {
     LabelVolume own(ct->grid);
     if (make_body)
       own = segment::label_surroundings(segment::segment_body(*ct, *tree, *chambers, recipe.landmarks, recipe.chambers),
                                         segment::segment_trachea(*ct, *tree, recipe.landmarks));
+    segment::clear_padding(own, padding);
     return labels::with_given(std::move(own), given, labels::Group::body);
   });
   return run.root_stage("labels", {chambers.key, walls.key, body.key, known.given.key},

@@ -22,9 +22,6 @@ struct KnownLabels {
 segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& recipe,
                                   std::vector<std::string>& remarks);
 
-/// Takes that back, and the labels there. Root only
-void clear_unmeasured(Staged<CtVolume>& ct, Staged<LabelVolume>& labels, const segment::Padding& padding);
-
 /// Whether seeds for all four chambers are given, so that none need to be looked for.
 bool chambers_are_marked(const Landmarks& landmarks);
 
@@ -39,7 +36,9 @@ Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmar
 KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const std::string& hash,
                               std::vector<std::string>& remarks);
 
-/// The image stages: CT to label map. What is known already is not made again and never overwritten. @collective
-Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const KnownLabels& known = {});
+/// The image stages: CT to label map. What is known already is not made again and never overwritten. No stage labels
+/// the `padding`, but a file that replaces a stage may. @collective
+Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const KnownLabels& known = {},
+                             const segment::Padding& padding = {});
 
 }  // namespace heart::app

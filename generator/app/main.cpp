@@ -21,7 +21,7 @@ using namespace heart::app;
 constexpr int exit_defect = 1;
 constexpr int exit_user = 2;
 
-/// Long work says so; but a build tells of its stages, and a benchmark is not disturbed.
+/// Long work says so; a build tells of its stages, and `bench` of its benchmarks.
 std::unique_ptr<Watch> watch_over(const Program& p) {
   const auto name = p.app.get_subcommands().front()->get_name();
   if (!p.comm.is_root() || name == "build" || name == "bench") return nullptr;

@@ -60,7 +60,8 @@ void add_bench(Program& p) {
   sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 0.5,0.5,1.2)")->delimiter(',')->expected(3);
   sub->add_option("--repeats", p.bench.repeats, "of short measurements, of which the median counts (default 7)")
       ->check(CLI::PositiveNumber);
-  sub->add_option("--labels", p.bench.labels, "label map for mesh-torso, -vessels and -slice (default: a phantom's)");
+  sub->add_option("--labels", p.bench.labels,
+                  "label map for mesh-myocardium, -heart, -torso, -vessels and -slice (default: a phantom's)");
   sub->add_option("--variant", p.bench.variant, "of the phantom that they are made from otherwise (default 0)")
       ->check(CLI::NonNegativeNumber);
   sub->add_flag("--processor-time", p.bench.processor_time,

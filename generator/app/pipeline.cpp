@@ -7,6 +7,7 @@
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/app/check_inputs.hpp"
+#include "generator/app/fov_cuts.hpp"
 #include "generator/app/image_stages.hpp"
 #include "generator/app/input_files.hpp"
 #include "generator/app/mesh_certificate.hpp"
@@ -45,9 +46,20 @@ Meshes heart_meshes(const Recipe& recipe, const LabelVolume& labels) {
   return mesh::mesh_heart(labels, recipe.mesh, &own_edges_mm);
 }
 
-Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels, const Grid* torso_grid) {
+/// Where the body's field of view ends within its label map: another patient's image, or padding of this one's.
+struct FieldOfView {
+  const Grid* of_torso = nullptr;
+  segment::Padding padding{};
+};
+
+Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels, const FieldOfView& view) {
   Meshes meshes = heart_meshes(recipe, labels);
-  if (torso_grid != nullptr && meshes.contains("torso")) label_torso_cuts(meshes.at("torso"), *torso_grid);
+  if (meshes.contains("torso")) {
+    if (view.of_torso != nullptr)
+      label_torso_cuts(meshes.at("torso"), *view.of_torso);
+    else
+      label_padding_cuts(meshes.at("torso"), labels.grid, view.padding);
+  }
   if (wants(recipe, "trachea") && labels::holds(labels, Region::trachea))
     meshes["trachea"] = mesh::mesh_vessel(region_mask(labels, Region::trachea), Region::trachea, recipe.mesh);
   if (wants(recipe, "carotid") && !recipe.input.carotid.empty()) {
@@ -310,12 +322,14 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   parallel::run_on_root(comm, [&] { check_seeds_inside(ct->grid, recipe.landmarks); });
   const auto padding = close_unmeasured(run, ct, recipe, remarks);
   if (known.missing.chambers) recipe.landmarks = complete_landmarks(run, ct, recipe.landmarks, remarks);
-  auto heart = label_ct(run, ct, recipe, known);
+  auto heart = label_ct(run, ct, recipe, known, padding);
   parallel::run_on_root(comm, [&] {
-    clear_unmeasured(ct, heart, padding);
+    segment::reopen_padding(ct.value, padding);
     refuse_empty_regions(*heart, recipe);
     check_memory(*heart, recipe.mesh, machine_memory_bytes());
-    if (known.missing.chambers && !run.files.replaced_by.contains("chambers")) refuse_cut_ventricles(*heart, padding);
+    const auto& files = run.files.replaced_by;
+    if (known.missing.chambers && !files.contains("chambers") && !files.contains("labels"))
+      refuse_cut_ventricles(*heart, padding);
     refuse_mirrored_heart(*heart, recipe.landmarks);
     settle_replacements(run, recipe.replace, inputs, remarks);
   });
@@ -325,10 +339,10 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   const bool has_torso = recipe.torso.is_given();
   const LabelVolume& labels = has_torso ? around->labels : *heart;
   const auto& labels_key = has_torso ? around.key : heart.key;
-  const auto mesh_inputs = hash_of(inputs, "carotid") + hash_of(inputs, "size_field");
-  const auto meshes = run.root_stage("mesh", {labels_key, mesh_inputs, mesh_section(recipe)}, [&] {
-    return make_meshes(recipe, labels, has_torso ? &around->torso_grid : nullptr);
-  });
+  const auto mesh_inputs = hash_of(inputs, "ct") + hash_of(inputs, "carotid") + hash_of(inputs, "size_field");
+  const FieldOfView view{has_torso ? &around->torso_grid : nullptr, padding};
+  const auto meshes = run.root_stage("mesh", {labels_key, mesh_inputs, mesh_section(recipe)},
+                                     [&] { return make_meshes(recipe, labels, view); });
   const auto fibers = run.root_stage(
       "fibers",
       {meshes.key, hash_of(inputs, "atlas"), recipe_section(recipe, "landmarks"), recipe_section(recipe, "fibers")},
@@ -351,6 +365,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
     result.metrics = bundle.metrics;
     return exporters::write_bundle(bundle, place, existing);
   });
+  parallel::run_on_root(comm, [&] { forget_other_entries(options.cache_folder, run.used_keys); });
   finish(run.progress);
   result.content_id = *content_id;
   result.log = time_log(run);

@@ -19,8 +19,19 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t hash_length = 64;
 constexpr const char* partial_ending = ".partial";
+constexpr const char* entry_ending = ".stage";
 
-fs::path entry_path(const fs::path& folder, const std::string& key) { return folder / (key + ".stage"); }
+fs::path entry_path(const fs::path& folder, const std::string& key) { return folder / (key + entry_ending); }
+
+/// A folder that is not there has none; a file that cannot be removed stays.
+template <class Rule>
+void remove_files(const fs::path& folder, Rule goes) {
+  std::error_code ignored;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (goes(entry.path())) files.push_back(entry.path());
+  for (const auto& file : files) fs::remove(file, ignored);
+}
 
 double peak_gib() {
   rusage usage{};
@@ -121,11 +132,13 @@ void Run::rethrow_in_stage(const std::string& name) {
 }
 
 void clear_unfinished_entries(const fs::path& cache_folder) {
-  std::error_code ignored;
-  std::vector<fs::path> unfinished;
-  for (const auto& entry : fs::directory_iterator(cache_folder, ignored))
-    if (entry.path().extension() == partial_ending) unfinished.push_back(entry.path());
-  for (const auto& file : unfinished) fs::remove(file, ignored);
+  remove_files(cache_folder, [](const fs::path& file) { return file.extension() == partial_ending; });
+}
+
+void forget_other_entries(const fs::path& cache_folder, const std::vector<std::string>& keys) {
+  remove_files(cache_folder, [&](const fs::path& file) {
+    return file.extension() == entry_ending && std::find(keys.begin(), keys.end(), file.stem().string()) == keys.end();
+  });
 }
 
 std::string time_log(const Run& run) {

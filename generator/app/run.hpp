@@ -40,6 +40,7 @@ struct Run {
   Progress progress;
   std::vector<StageTime> times{};
   StageFiles files{};
+  std::vector<std::string> used_keys{};  ///< of the stages so far
 
   /// `make` runs on every rank together. Its result counts on the root only. @collective
   template <class F>
@@ -73,6 +74,7 @@ struct Run {
       }
       keep(name, result);
     }
+    used_keys.push_back(result.key);
     record(name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), from);
     return result;
   }
@@ -157,6 +159,10 @@ struct Run {
 
 /// Takes away what killed runs left of entries. No other run may use the cache.
 void clear_unfinished_entries(const std::filesystem::path& cache_folder);
+
+/// Takes away the entries that have none of these keys: those of older programs, which nobody reads again, and of
+/// settings that have changed. No other run may use the cache.
+void forget_other_entries(const std::filesystem::path& cache_folder, const std::vector<std::string>& keys);
 
 /// A line per stage with its seconds and the memory so far, and a last one of all.
 std::string time_log(const Run& run);

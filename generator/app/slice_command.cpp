@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -23,6 +24,15 @@ std::int64_t chosen_slice(const SliceCommand& command, const Grid& grid) {
   if (command.index.has_value() == command.z_mm.has_value())
     throw UserError("which slice?", "slice", "give either --index or --z");
   return command.index ? *command.index : mesh::slice_at_height(grid, *command.z_mm);
+}
+
+/// An edge as long as the image gives one or two triangles and no slice of a thorax.
+void refuse_longer_than(const Grid& grid, const char* option, double edge_mm) {
+  const double least_mm = std::min(static_cast<double>(grid.size[0]) * grid.spacing_mm.x,
+                                   static_cast<double>(grid.size[1]) * grid.spacing_mm.y);
+  if (edge_mm > least_mm)
+    throw UserError(fmt::format("an edge of {:g} mm in an image of {:g} mm", edge_mm, least_mm),
+                    fmt::format("slice {}", option), "give a length of some millimetres");
 }
 
 Json numbers_of(const SliceCommand& command, const TriMesh& mesh, const mesh::SliceReport& report) {
@@ -71,6 +81,8 @@ int slice_command(const SliceCommand& command) {
   settings.edge_mm = command.edge_mm.value_or(settings.edge_mm);
   settings.torso_edge_mm = command.torso_edge_mm.value_or(std::max(settings.torso_edge_mm, settings.edge_mm));
   settings.growth = command.growth.value_or(settings.growth);
+  refuse_longer_than(labels.grid, "--edge", settings.edge_mm);
+  refuse_longer_than(labels.grid, "--torso-edge", command.torso_edge_mm.value_or(0));
   mesh::SliceReport report;
   const auto mesh = mesh::mesh_slice(labels, chosen_slice(command, labels.grid), settings, &report);
   exporters::write_tri_mesh(command.output, mesh);

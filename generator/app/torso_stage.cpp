@@ -9,7 +9,6 @@
 
 #include "generator/adapters/itk_io.hpp"
 #include "generator/app/image_stages.hpp"
-#include "generator/mesh/surfaces.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
@@ -61,8 +60,7 @@ struct Person {
 };
 
 /// The other patient's CT goes through the same image stages; their progress is not shown, their results are not kept.
-Person segmented(const Run& run, const Recipe& recipe, const std::string& torso_hash,
-                 std::vector<std::string>& remarks) try {
+Person segmented(Run& run, const Recipe& recipe, const std::string& torso_hash, std::vector<std::string>& remarks) try {
   Recipe other = recipe;
   other.input = {};
   other.input.ct = recipe.torso.ct;
@@ -72,10 +70,12 @@ Person segmented(const Run& run, const Recipe& recipe, const std::string& torso_
   own.comm = run.comm;
   own.cache_folder = run.cache_folder;
   own.program_hash = run.program_hash;
-  const auto ct = own.root_stage("read", {torso_hash}, [&] { return adapters::read_ct(other.input.ct); });
+  auto ct = own.root_stage("read", {torso_hash}, [&] { return adapters::read_ct(other.input.ct); });
   std::vector<std::string> lines;
+  const auto padding = close_unmeasured(own, ct, other, lines);
   other.landmarks = complete_landmarks(own, ct, other.landmarks, lines);
-  Person person{label_ct(own, ct, other).value, other.landmarks};
+  Person person{label_ct(own, ct, other, {}, padding).value, other.landmarks};
+  run.used_keys.insert(run.used_keys.end(), own.used_keys.begin(), own.used_keys.end());
   for (const auto& line : lines) remarks.push_back("The torso's CT: " + line);
   return person;
 } catch (const UserError& error) {
@@ -201,31 +201,6 @@ Landmarks moved(const Landmarks& landmarks, const adapters::AffineMap& map) {
     valve = {map(valve.center_mm), normalized(map.matrix * valve.normal), scale * valve.radius_mm};
   if (result.lv_apex_mm) result.lv_apex_mm = map(*result.lv_apex_mm);
   return result;
-}
-
-void label_torso_cuts(TetMesh& mesh, const Grid& torso_grid) {
-  constexpr double near_voxels = 1, least_cosine = 0.9;
-  std::vector<Face> outer;
-  const auto ascending = [](Face face) {
-    std::sort(face.begin(), face.end());
-    return face;
-  };
-  for (const auto& face : mesh::cell_faces(mesh.cells))
-    if (face.other < 0) outer.push_back(ascending(face.nodes));
-  std::sort(outer.begin(), outer.end());
-  const Mat3 axes = transposed(torso_grid.direction);
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    if (!std::binary_search(outer.begin(), outer.end(), ascending(mesh.faces[f]))) continue;
-    const auto at = [&](std::size_t i) { return mesh.nodes_mm[static_cast<std::size_t>(mesh.faces[f][i])]; };
-    const Vec3 index = index_from_lps(torso_grid, (at(0) + at(1) + at(2)) / 3);
-    const Vec3 normal = normalized(axes * cross(at(1) - at(0), at(2) - at(0)));
-    for (int axis = 0; axis < 3; ++axis) {
-      const double last = static_cast<double>(torso_grid.size[static_cast<std::size_t>(axis)]) - 0.5;
-      const bool is_lower = std::abs(index[axis] + 0.5) < near_voxels && normal[axis] < -least_cosine;
-      const bool is_upper = std::abs(index[axis] - last) < near_voxels && normal[axis] > least_cosine;
-      if (is_lower || is_upper) mesh.surface[f] = *surface_from_name("fov_cut");
-    }
-  }
 }
 
 Report torso_rows(const TorsoAround& around) {

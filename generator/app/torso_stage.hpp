@@ -43,10 +43,6 @@ Grid grid_in_bundle(const Recipe& recipe, const Grid& of_heart);
 Grid moved(const Grid& grid, const adapters::AffineMap& map);
 Landmarks moved(const Landmarks& landmarks, const adapters::AffineMap& map);
 
-/// Outer faces of `mesh` that lie where the torso's image ends get the surface fov_cut: the heart's grid, along which
-/// cuts are found otherwise, is turned against them.
-void label_torso_cuts(TetMesh& mesh, const Grid& torso_grid);
-
 /// Rows of the certificate: how well both hearts' marks agree, and how much of the heart lies where it should not.
 Report torso_rows(const TorsoAround& around);
 

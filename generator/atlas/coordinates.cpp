@@ -14,6 +14,7 @@
 #include "generator/atlas/share_distance.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/corners.hpp"
+#include "model/crop.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -23,7 +24,8 @@ constexpr double ridge_voxels = 0.085;  // of the labels: a first guess of how f
 constexpr double no_ridge_mm = std::numeric_limits<double>::infinity();        // where labels show none
 constexpr double least_normal_smoothing_mm = 2, normal_smoothing_share = 0.4;  // of the wall's thickness
 constexpr double least_distance_mm = 0.02;
-constexpr double thick_wall_mm = 6;  // thinner ones have too few voxels across for a quadratic continuation
+constexpr double around_wall_mm = 14;  // as far as a wall's ends change it, and as its coordinates are continued
+constexpr double thick_wall_mm = 6;    // thinner ones have too few voxels across for a quadratic continuation
 
 struct Surfaces {
   LevelSet endocardium;  ///< distance to the cavity, positive in the wall
@@ -100,15 +102,17 @@ Surfaces surfaces_of(const Ventricles& ventricles, Part wall, const WallEnds& en
 }
 
 CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces& surfaces, const WallEnds& ends) {
-  constexpr double fine_smoothing = 1;  // in voxels of the labels; more would fill the floors between ridges
+  // As coarse as the labels are, but no wider than the floors between ridges are: more would fill them.
+  constexpr double most_smoothing_mm = 1.1;
   const auto& parts = ventricles.parts;
   const Mask muscle = labelled_wall(ventricles, wall);
   Mask cavity = mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
   for (std::size_t v = 0; v < cavity.voxels.size(); ++v)
     if (muscle.voxels[v]) cavity.voxels[v] = 0;
   const auto& share = wall == Part::lv_wall ? ventricles.shares.lv_cavity : ventricles.shares.rv_cavity;
-  const auto fine = smoothed_level_set(signed_distance(cavity, share), fine_smoothing * step_voxels(ventricles));
   const double label_mm = step_voxels(ventricles) * parts.grid.spacing_mm.x;
+  const double smoothing_voxels = std::min(label_mm, most_smoothing_mm) / parts.grid.spacing_mm.x;
+  const auto fine = smoothed_level_set(signed_distance(cavity, share), smoothing_voxels);
   const double ridge_mm = ventricles.trabeculae.voxels.empty() ? no_ridge_mm : ridge_voxels * label_mm;
   return CompactWall(endocardial_thickness(fine, surfaces.epicardium, clear_of_ends(muscle, ends)), ridge_mm);
 }
@@ -314,9 +318,26 @@ void continue_surfaces(const Grid& grid, const std::vector<Index3>& voxels, cons
   });
 }
 
-}  // namespace
+template <class T>
+Volume<T> crop_if_known(const Volume<T>& volume, const Box& box) {
+  return volume.voxels.empty() ? Volume<T>{} : crop(volume, box);
+}
 
-WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
+/// What the wall's coordinates depend on, and no more: a ventricle is half of a heart.
+Ventricles near_wall(const Ventricles& ventricles, const Box& box) {
+  Ventricles near;
+  near.parts = crop(ventricles.parts, box);
+  const PartShares& shares = ventricles.shares;
+  near.shares = {crop_if_known(shares.lv_cavity, box), crop_if_known(shares.rv_cavity, box),
+                 crop_if_known(shares.left, box), crop_if_known(shares.both, box)};
+  near.trabeculae = crop_if_known(ventricles.trabeculae, box);
+  near.beyond = crop_if_known(ventricles.beyond, box);
+  near.label_spacing_mm = ventricles.label_spacing_mm;
+  near.label_steps_mm = ventricles.label_steps_mm;
+  return near;
+}
+
+WallCoordinates coordinates_on_grid(const Ventricles& ventricles, Part wall) {
   const auto& parts = ventricles.parts;
   const WallEnds wall_end = wall_ends(ventricles, wall);
   const Surfaces surfaces = surfaces_of(ventricles, wall, wall_end);
@@ -338,6 +359,23 @@ WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
   smooth_normals(result, thickness_mm);
   const double unknown_mm = thick || thickness_mm <= 0 ? 0 : thickness_mm + 2;
   continue_layers(result, continued_layers + static_cast<int>(unknown_mm / parts.grid.spacing_mm.x));
+  return result;
+}
+
+}  // namespace
+
+WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
+  const Grid& grid = ventricles.parts.grid;
+  const Box box =
+      bounding_box(ventricles.parts, static_cast<std::int64_t>(std::ceil(around_wall_mm / grid.spacing_mm.x)),
+                   [&](auto v) { return is(v, wall); });
+  WallCoordinates result{Mask(grid), Volume<float>(grid), Volume<float>(grid), Volume<Vec3>(grid)};
+  if (box.empty()) return result;
+  const WallCoordinates near = coordinates_on_grid(near_wall(ventricles, box), wall);
+  paste(near.known, box, result.known);
+  paste(near.depth, box, result.depth);
+  paste(near.thickness_mm, box, result.thickness_mm);
+  paste(near.normal, box, result.normal);
   return result;
 }
 

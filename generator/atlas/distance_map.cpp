@@ -116,7 +116,7 @@ void binary_distance_bundle(const std::vector<float>& in, std::vector<float>& ou
   for (float& d : out) d = d >= none ? far_away : d * d;
 }
 
-std::vector<double> gaussian_weights(double sigma) {
+std::vector<float> gaussian_weights(double sigma) {
   const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
   std::vector<double> weights(static_cast<std::size_t>(radius) + 1);
   double sum = 0;
@@ -124,25 +124,25 @@ std::vector<double> gaussian_weights(double sigma) {
     weights[static_cast<std::size_t>(i)] = std::exp(-0.5 * i * i / (sigma * sigma));
     sum += (i ? 2 : 1) * weights[static_cast<std::size_t>(i)];
   }
-  for (double& w : weights) w /= sum;
-  return weights;
+  std::vector<float> shares(weights.size());
+  std::transform(weights.begin(), weights.end(), shares.begin(), [&](double w) { return static_cast<float>(w / sum); });
+  return shares;
 }
 
-void smooth_bundle(const std::vector<double>& weights, const std::vector<float>& in, std::vector<float>& out,
+void smooth_bundle(const std::vector<float>& weights, const std::vector<float>& in, std::vector<float>& out,
                    std::int64_t length) {
   const auto radius = static_cast<std::int64_t>(weights.size()) - 1;
   const auto row = [&](std::int64_t p) { return in.data() + std::clamp<std::int64_t>(p, 0, length - 1) * lanes; };
   for (std::int64_t p = 0; p < length; ++p) {
-    std::array<double, static_cast<std::size_t>(lanes)> sum;
+    std::array<float, static_cast<std::size_t>(lanes)> sum;
     const float* const here = row(p);
     for (std::size_t lane = 0; lane < sum.size(); ++lane) sum[lane] = weights[0] * here[lane];
     for (std::int64_t r = 1; r <= radius; ++r) {
-      const double weight = weights[static_cast<std::size_t>(r)];
+      const float weight = weights[static_cast<std::size_t>(r)];
       const float *const before = row(p - r), *const after = row(p + r);
       for (std::size_t lane = 0; lane < sum.size(); ++lane) sum[lane] += weight * (before[lane] + after[lane]);
     }
-    for (std::size_t lane = 0; lane < sum.size(); ++lane)
-      out[static_cast<std::size_t>(p * lanes) + lane] = static_cast<float>(sum[lane]);
+    for (std::size_t lane = 0; lane < sum.size(); ++lane) out[static_cast<std::size_t>(p * lanes) + lane] = sum[lane];
   }
 }
 

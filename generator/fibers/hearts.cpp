@@ -37,6 +37,17 @@ Both<Vec3> angle_centers(const atlas::Ventricles& ventricles) {
   return {ventricles.frame.base_point_mm, count > 0 ? sum / count : ventricles.frame.base_point_mm};
 }
 
+/// of_wall(part) of either wall, side by side: much of what they are made by is not threaded.
+template <class OfWall>
+auto for_both(OfWall&& of_wall) {
+  Both<decltype(of_wall(Part::lv_wall))> result;
+  parallel::parallel_for(0, 2, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t n = begin; n < end; ++n)
+      (n == 0 ? result.lv : result.rv) = of_wall(n == 0 ? Part::lv_wall : Part::rv_wall);
+  });
+  return result;
+}
+
 struct WallSamples {
   AngleSamples by_place, by_coordinates;
   std::vector<double> depth, thickness_mm;
@@ -153,8 +164,8 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
   Hearts hearts;
   hearts.atlas = std::move(atlas);
   const auto centers = angle_centers(hearts.atlas.ventricles);
-  auto lv = wall_samples(hearts.atlas, Part::lv_wall, centers.lv);
-  auto rv = wall_samples(hearts.atlas, Part::rv_wall, centers.rv);
+  auto [lv, rv] = for_both(
+      [&](Part wall) { return wall_samples(hearts.atlas, wall, wall == Part::lv_wall ? centers.lv : centers.rv); });
   if (lv.depth.empty() || rv.depth.empty())
     throw UserError("the atlas has no fibres in one of the ventricles", atlas_name,
                     "a fibre atlas is a mesh of both ventricles with one vector per point or per cell");
@@ -167,8 +178,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
   check_patient_handedness(labels, landmarks, hearts.patient.frame);
   hearts.registration = register_atlas(hearts.patient, hearts.atlas.ventricles, settings);
   hearts.left_of_junction_mm = left_of_junction(hearts.patient);
-  hearts.patient_walls.lv = wall_coordinates(hearts.patient, Part::lv_wall);
-  hearts.patient_walls.rv = wall_coordinates(hearts.patient, Part::rv_wall);
+  hearts.patient_walls = for_both([&](Part wall) { return wall_coordinates(hearts.patient, wall); });
   hearts.patient_centers_mm = angle_centers(hearts.patient);
   return hearts;
 }

@@ -1,6 +1,10 @@
 #include "generator/landmarks/landmarks.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "generator/landmarks/anatomy_check.hpp"
 #include "generator/landmarks/assign.hpp"
@@ -140,25 +144,14 @@ void refuse_upside_down(const std::map<std::string, ValvePatch>& valves) {
                   "planes by hand");
 }
 
-/// Whether the image ends in air of one value, which no scanner measures: something was put around it.
-bool is_padded(const CtVolume& ct) {
-  constexpr int air_hu = -1000;
-  const auto& size = ct.grid.size;
-  const auto value = ct.voxels.front();
-  if (value > air_hu) return false;
-  const auto side_is_even = [&](std::size_t axis, std::int64_t at) {
-    Index3 from{0, 0, 0}, to = size;
-    from[axis] = at;
-    to[axis] = at + 1;
-    for (auto k = from[2]; k < to[2]; ++k)
-      for (auto j = from[1]; j < to[1]; ++j)
-        for (auto i = from[0]; i < to[0]; ++i)
-          if (ct(i, j, k) != value) return false;
-    return true;
-  };
-  for (std::size_t axis = 0; axis < 2; ++axis)
-    if (side_is_even(axis, 0) && side_is_even(axis, size[axis] - 1)) return true;
-  return false;
+/// By how much the header turns the image against the body's axes, in degrees; 0 for any order of the axes.
+double slant_deg(const Mat3& direction) {
+  double least_cosine = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 way = transposed(direction)[axis];
+    least_cosine = std::min(least_cosine, std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)}));
+  }
+  return std::acos(least_cosine) * 180 / std::numbers::pi;
 }
 
 SearchResult search_in(const CtVolume& ct) {
@@ -189,14 +182,19 @@ SearchResult search_in(const CtVolume& ct) {
 
 }  // namespace
 
+// A slanted header may be true, and may be the mistake behind whatever does not look like a heart.
 SearchResult search(const CtVolume& ct) {
+  constexpr double least_slant_deg = 10;  // patients lie as crooked as that
+  const double slant = slant_deg(ct.grid.direction);
+  if (slant < least_slant_deg) return search_in(ct);
+  const auto remark = fmt::format("the header turns the image by {:.0f} degrees against the body's axes", slant);
   try {
-    return search_in(ct);
+    auto result = search_in(ct);
+    auto& warnings = result.found.warnings;
+    if (!warnings.empty()) warnings.insert(warnings.begin(), remark + ": is that true of the patient?");
+    return result;
   } catch (const UserError& error) {
-    if (!is_padded(ct)) throw;
-    throw UserError(error.problem, error.where,
-                    "the image is padded with " + std::to_string(ct.voxels.front()) +
-                        " HU, into which cut lungs open: crop it to what was measured; else " + error.remedy);
+    throw UserError(error.problem, error.where, remark + ": check that first; else " + error.remedy);
   }
 }
 

@@ -21,10 +21,10 @@ struct FoundLandmarks {
   Vec3 long_axis;                            ///< unit vector from the left ventricle's base to its apex
 };
 
-/// `ct` shows the whole heart; grids of any spacing, orientation and direction. The same bits for any number of
-/// threads. Throws UserError for grey values that are no Hounsfield units, and, saying which seeds to give by hand,
-/// where there is no contrast, no heart, no pool with a shell of muscle, or no left atrium and aorta next to it. Not
-/// collective: call it on the root.
+/// `ct` shows the whole heart; grids of any spacing, orientation and direction; padding that cuts lungs open is closed
+/// beforehand (segment/padding.hpp). The same bits for any number of threads. Throws UserError for grey values that are
+/// no Hounsfield units, and, saying which seeds to give by hand, where there is no contrast, no heart, no pool with a
+/// shell of muscle, or no left atrium and aorta next to it. Not collective: call it on the root.
 FoundLandmarks find_landmarks(const CtVolume& ct);
 
 }  // namespace heart::landmarks

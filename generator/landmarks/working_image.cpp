@@ -10,7 +10,7 @@
 namespace heart::landmarks {
 namespace {
 
-constexpr float air_hu = -1000;
+constexpr float outside_hu = -150;  // no air: lungs that the field of view of a slanted grid cuts do not open into it
 constexpr double noise_sigma_mm = 1.0;     // walls of 2 mm between two pools still show
 constexpr double smallest_extent_mm = 60;  // less cannot hold a left ventricle and its valves
 constexpr double antialias_per_mm = 0.35;  // blur before thinning, per mm of difference between the spacings
@@ -66,7 +66,7 @@ WorkingImage make_working_image(const CtVolume& ct) {
   const double sigma = antialias_per_mm * (working_spacing_mm - finest);
   if (sigma > 0) source = segment::gaussian(source, sigma);
   WorkingImage image;
-  image.hu = Volume<float>(grid, air_hu);
+  image.hu = Volume<float>(grid, outside_hu);
   parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t k = begin; k < end; ++k)
       for (std::int64_t j = 0; j < grid.size[1]; ++j)

@@ -12,7 +12,8 @@ namespace heart::landmarks {
 /// the whole search to take seconds.
 constexpr double working_spacing_mm = 1.5;
 
-/// Hounsfield units on a grid along the LPS axes with the same spacing in all directions; -1000 outside the scan.
+/// Hounsfield units on a grid along the LPS axes with the same spacing in all directions; darker than fat,
+/// but no air, outside the scan.
 struct WorkingImage {
   Volume<float> hu;
   Volume<float> smooth;  ///< noise reduced by a Gaussian

@@ -176,13 +176,6 @@ void require(const LabelVolume& labels, std::initializer_list<Region> regions) {
                       "look at the label map; check the seeds, the valve planes and the segmentation steps");
 }
 
-LabelVolume heart_only(const LabelVolume& labels) {
-  LabelVolume heart = labels;
-  for (auto& voxel : heart.voxels)
-    if (!is_myocardium(static_cast<Region>(voxel)) && !is_blood(static_cast<Region>(voxel))) voxel = 0;
-  return heart;
-}
-
 }  // namespace
 
 void check_settings(const MeshSettings& s) {
@@ -202,12 +195,24 @@ void check_settings(const MeshSettings& s) {
     throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]", "it must not be negative");
 }
 
+LabelVolume heart_only(const LabelVolume& labels) {
+  LabelVolume heart = labels;
+  for (auto& voxel : heart.voxels)
+    if (!is_myocardium(static_cast<Region>(voxel)) && !is_blood(static_cast<Region>(voxel))) voxel = 0;
+  return heart;
+}
+
 TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report,
                     const Volume<float>* own_edges_mm) {
   check_settings(settings);
-  const auto domain = make_domain(labels, settings);
+  return mesh_domain(make_domain(labels, settings), settings, report, own_edges_mm);
+}
+
+TetMesh mesh_domain(const MeshDomain& domain, const MeshSettings& settings, LatticeReport* report,
+                    const Volume<float>* own_edges_mm) {
+  check_settings(settings);
   const bool is_delaunay = settings.backend == "cgal";
-  const auto own = own_edges_mm == nullptr ? std::vector<float>{} : own_edges_on(*own_edges_mm, labels.grid);
+  const auto own = own_edges_mm == nullptr ? std::vector<float>{} : own_edges_on(*own_edges_mm, domain.grid);
   const auto sizes = size_field(domain, settings, is_delaunay ? ThinParts::ignored : ThinParts::resolved, own);
   auto cells = is_delaunay                      ? delaunay_cells(domain, sizes)
                : settings.backend == "tetgen"   ? tetgen_cells(domain, sizes, manifold_sets(), crumb_cells, report)
@@ -217,7 +222,7 @@ TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, Lat
   auto mesh = assemble(
       cells.nodes_mm, cells.cells, cells.label, [](std::int32_t label) { return label > 0 && label < beyond_border; },
       surface_of);
-  label_border_faces(mesh, labels.grid);
+  label_border_faces(mesh, domain.grid);
   add_orifice_rims(mesh);
   return mesh;
 }

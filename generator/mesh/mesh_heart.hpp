@@ -24,6 +24,13 @@ void check_settings(const MeshSettings& settings);
 TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report = nullptr,
                     const Volume<float>* own_edges_mm = nullptr);
 
+/// The same of a domain that is at hand; its level sets are what the settings ask for.
+TetMesh mesh_domain(const MeshDomain& domain, const MeshSettings& settings, LatticeReport* report = nullptr,
+                    const Volume<float>* own_edges_mm = nullptr);
+
+/// Walls and blood of a label map, 0 elsewhere.
+LabelVolume heart_only(const LabelVolume& labels);
+
 /// The cells of `regions` with the nodes they use, in the order they have in `mesh`; parent_node and parent_cell hold
 /// their ids there. Faces between a kept and a dropped region keep their surface. Empty when no cell is kept.
 TetMesh extract_regions(const TetMesh& mesh, std::span<const Region> regions);

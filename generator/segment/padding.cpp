@@ -186,7 +186,7 @@ void close_padding(CtVolume& ct, const Padding& padding) {
 void reopen_padding(CtVolume& ct, const Padding& padding) { fill_wall_and_lids(ct, padding, padding.value_hu); }
 
 void clear_padding(LabelVolume& labels, const Padding& padding) {
-  if (!padding.is_there()) return;
+  if (!padding.is_there() || labels.voxels.empty()) return;
   std::size_t v = 0;
   const auto& size = labels.grid.size;
   for (std::int64_t k = 0; k < size[2]; ++k)

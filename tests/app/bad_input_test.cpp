@@ -251,6 +251,28 @@ TEST_F(BadInput, GreyValuesWithALostRescale) {
   expect_message("build --quiet recipe.toml --output out", {"Hounsfield", "rescale"});
 }
 
+TEST_F(BadInput, ALabelMapIsNoCt) {
+  Grid grid;
+  grid.size = {24, 24, 24};
+  grid.spacing_mm = {4, 4, 4};
+  LabelVolume labels(grid);
+  labels(12, 12, 12) = 17;
+  adapters::write_volume((folder / "ct.nii.gz").string(), labels);
+  write_recipe("");
+  expect_message("landmarks ct.nii.gz", {"Hounsfield", "label map"});
+  expect_message("build --quiet recipe.toml --output out", {"Hounsfield", "label map"});
+}
+
+TEST_F(BadInput, AnEdgeLongerThanTheSlice) {
+  Grid grid;
+  grid.size = {24, 24, 24};
+  grid.spacing_mm = {4, 4, 4};
+  adapters::write_volume((folder / "labels.nrrd").string(), LabelVolume(grid, 17));
+  expect_message("slice labels.nrrd out.vtu --index 12 --edge 1e9", {"--edge", "1e+09 mm", "96 mm"});
+  expect_message("slice labels.nrrd out.vtu --index 12 --torso-edge 97", {"--torso-edge", "97 mm", "96 mm"});
+  EXPECT_FALSE(fs::exists(folder / "out.vtu"));
+}
+
 TEST_F(BadInput, PhantomOutOfRange) {
   message_of("phantom out --size 2,2,2");
   message_of("phantom out --spacing 0,1,1");

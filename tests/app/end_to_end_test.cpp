@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "generator/adapters/itk_io.hpp"
 #include "model/labels.hpp"
@@ -125,6 +126,9 @@ TEST_F(EndToEnd, AReportIsDrawnOverTheBundlesOwnCt) {
   const auto refused = testing::heartgen("report bundle none.html --ct another.nii.gz", folder());
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.errors.find("another.nii.gz"), std::string::npos) << refused.errors;
+  const auto no_ct = testing::heartgen("report bundle none.html --ct bundle/images/labels.nii.gz", folder());
+  EXPECT_EQ(no_ct.exit_code, 2);
+  EXPECT_NE(no_ct.errors.find("label map"), std::string::npos) << no_ct.errors;
   EXPECT_FALSE(fs::exists(folder() + "/none.html"));
 }
 
@@ -147,6 +151,17 @@ TEST_F(EndToEnd, ACacheChangesNothing) {
   ASSERT_EQ(second.exit_code, 0) << second.errors;
   EXPECT_NE(second.errors.find("from the cache"), std::string::npos);
   EXPECT_EQ(content_id("again"), content_id("bundle"));
+
+  const auto entries = [&] {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder() + "/again.cache")) names.insert(entry.path().filename());
+    return names;
+  };
+  const auto used = entries();
+  std::ofstream(folder() + "/again.cache/0123.stage") << "of an older program";
+  const auto third = testing::heartgen("build phantom/recipe.toml --output again --force", folder());
+  ASSERT_EQ(third.exit_code, 0) << third.errors;
+  EXPECT_EQ(entries(), used) << "only what the last build used stays";
 }
 
 TEST_F(EndToEnd, AnExistingBundleIsNotOverwrittenUnasked) {
@@ -277,6 +292,21 @@ TEST_F(StagesByHand, LabelsWithoutACt) {
   std::ofstream(folder() + "/no_ct.toml") << quick;
   build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");
   EXPECT_EQ(labels("by_hand/images/labels.nii.gz").voxels, labels("phantom/truth/labels.nii.gz").voxels);
+}
+
+// A field of view whose border cuts the lungs, in padding.
+TEST_F(StagesByHand, LabelsOfAFileStayWhereNothingWasMeasured) {
+  CtVolume ct = adapters::read_ct(folder() + "/phantom/ct.nii.gz");
+  const auto nx = ct.grid.size[0], ny = ct.grid.size[1];
+  for (std::size_t v = 0; v < ct.voxels.size(); ++v) {
+    const auto i = static_cast<std::int64_t>(v) % nx, j = static_cast<std::int64_t>(v) / nx % ny;
+    if (std::min(i, nx - 1 - i) < 24 || std::min(j, ny - 1 - j) < 24) ct.voxels[v] = -2000;
+  }
+  adapters::write_volume(folder() + "/padded.nrrd", ct);
+  write_recipe("padded.toml", "[replace]\nlabels = \"phantom/truth/labels.nii.gz\"\n");
+  build("padded.toml --ct padded.nrrd --no-cache");
+  EXPECT_EQ(labels("by_hand/images/labels.nii.gz").voxels, labels("phantom/truth/labels.nii.gz").voxels);
+  EXPECT_NE(testing::text_of(folder() + "/by_hand/validation/report.html").find("holds -2000 HU"), std::string::npos);
 }
 
 template <class T>

@@ -5,6 +5,9 @@
 #include <atomic>
 #include <thread>
 
+#include "support/data.hpp"
+#include "support/program.hpp"
+
 namespace heart::app {
 namespace {
 
@@ -48,6 +51,14 @@ TEST(Progress, ALongStageSaysThatItStillRuns) {
   ASSERT_NE(end, std::string::npos) << lines;
   EXPECT_LT(alive, end) << lines;
   EXPECT_EQ(printed(false), "");
+}
+
+TEST(BenchCommand, SaysWhatItMeasures) {
+  const auto folder = testing::scratch_folder("bench").string();
+  const auto run = testing::heartgen("bench segment --size 24,24,24 --repeats 1 --json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_NE(run.errors.find("heartgen bench: segment (1 of 1): "), std::string::npos) << run.errors;
+  EXPECT_EQ(run.output.find("heartgen bench"), std::string::npos) << run.output;
 }
 
 }  // namespace

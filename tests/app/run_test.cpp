@@ -19,5 +19,18 @@ TEST(Cache, WhatAKilledRunLeftHalfWrittenGoes) {
   clear_unfinished_entries("");
 }
 
+TEST(Cache, OnlyWhatTheLastFinishedBuildUsedStays) {
+  const auto folder = testing::scratch_folder("cache_of_last");
+  for (const char* name : {"0123.stage", "4567.stage", "89ab.stage", "notes.txt"})
+    testing::write_bytes(folder / name, "x");
+  forget_other_entries(folder, {"4567", "89ab", "cdef"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "0123.stage"));
+  for (const char* name : {"4567.stage", "89ab.stage", "notes.txt"})
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  forget_other_entries(folder / "none", {});
+  forget_other_entries("", {});
+  EXPECT_FALSE(std::filesystem::exists(folder / "none"));
+}
+
 }  // namespace
 }  // namespace heart::app

@@ -30,5 +30,19 @@ TEST(Hounsfield, ALostRescaleIsNamedWithItsValues) {
   }
 }
 
+TEST(Hounsfield, ALabelMapIsNamedAsSuch) {
+  CtVolume labels = slab_of_fat(100);  // 0 and 160
+  try {
+    require_hounsfield(labels, "labels.nii.gz");
+    FAIL() << "accepted";
+  } catch (const UserError& error) {
+    EXPECT_NE(error.problem.find("0 to 160"), std::string::npos) << error.problem;
+    EXPECT_EQ(error.where, "labels.nii.gz");
+    EXPECT_NE(error.remedy.find("label map"), std::string::npos) << error.remedy;
+  }
+  labels.voxels.front() = -1;  // no background of 0: too little to judge by
+  EXPECT_NO_THROW(require_hounsfield(labels));
+}
+
 }  // namespace
 }  // namespace heart::segment

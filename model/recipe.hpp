@@ -292,7 +292,7 @@ struct FiberSettings {
   double demons_sigma_mm = 2;           // smoothing of the displacement field
   std::vector<int> demons_iterations = {60, 40, 15};  // per level, coarse to fine
   int inpainting_iterations = 200;
-  double depth_grid_mm = 1;  // spacing of the grid for wall depth and directions, at most grid_mm
+  double depth_grid_mm = 0.85;  // spacing of the grid for wall depth and directions, at most grid_mm
   RuleSettings rule;         // section [fibers.rule]
 
   template <class V>

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/benchmarks.hpp"
@@ -46,11 +45,13 @@ void tell(const std::string& text) {
 }
 
 /// Says what is measured, and that it still is: a line in ten seconds is nothing to what is measured.
-std::unique_ptr<Watch> watch_over(const Benchmark& bench, std::size_t n, std::size_t count) {
+benchmarks::Table watched(const Benchmark& bench, std::size_t n, std::size_t count,
+                          const benchmarks::Settings& settings, const parallel::Comm& comm) {
+  if (!comm.is_root()) return bench.run(settings, comm);
   tell(fmt::format("{} ({} of {}): {}", bench.name, n, count, bench.help));
-  return std::make_unique<Watch>(longest_silence, [name = bench.name](double seconds) {
-    tell(fmt::format("{}: {:.0f} s so far", name, seconds));
-  });
+  const Watch watch(longest_silence,
+                    [&](double seconds) { tell(fmt::format("{}: {:.0f} s so far", bench.name, seconds)); });
+  return bench.run(settings, comm);
 }
 
 }  // namespace
@@ -62,9 +63,7 @@ int bench_command(const BenchCommand& command, const parallel::Comm& comm) {
   Json all = Json::array();
   const auto list = chosen(command.names);
   for (std::size_t n = 0; n < list.size(); ++n) {
-    auto watch = comm.is_root() ? watch_over(list[n], n + 1, list.size()) : nullptr;
-    const auto rows = list[n].run(settings, comm);
-    watch.reset();
+    const auto rows = watched(list[n], n + 1, list.size(), settings, comm);
     if (!comm.is_root()) continue;
     for (const Row& row : rows) {
       if (!command.json) print(row);

@@ -39,9 +39,11 @@ void add_build(Program& p) {
   sub->add_option("--keep-stages", p.build.keep_stages,
                   "folder for the results of the image stages, to correct and give back in [replace] of the recipe");
   sub->add_flag("--force", p.build.force, "replace an existing bundle");
-  sub->add_flag("--no-cache", p.build.no_cache,
-                "neither read nor keep results of stages. OUTPUT.cache holds those of the last finished build and of "
-                "unfinished ones after it; it may be removed at any time");
+  sub->add_flag(
+      "--no-cache", p.build.no_cache,
+      "neither read nor keep results of stages. OUTPUT.cache holds those of the last finished build and of "
+      "unfinished ones after it, about 16 bytes for each voxel of the CT and the meshes; it may be removed at any "
+      "time");
   sub->add_flag("--json", p.build.json, "print the result as JSON");
   sub->add_flag("--quiet", p.build.quiet, "no progress");
 }

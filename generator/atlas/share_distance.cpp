@@ -71,29 +71,48 @@ Changes changes_next_to_surface(const Mask& inside, const Volume<float>& share, 
 }
 
 /// Mean of the known neighbours' changes, weighted by the inverse square of their distance.
-float change_around(const Changes& changes, std::int64_t v) {
-  const Grid& g = changes.known.grid;
-  const std::int64_t i = v % g.size[0], j = v / g.size[0] % g.size[1], k = v / (g.size[0] * g.size[1]);
-  float sum = 0, total = 0;
-  for (const auto& s : neighbors26) {
-    if (!g.contains(i + s[0], j + s[1], k + s[2]) || !changes.known(i + s[0], j + s[1], k + s[2])) continue;
-    const float weight = 1 / static_cast<float>(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-    sum += weight * changes.mm(i + s[0], j + s[1], k + s[2]);
-    total += weight;
+class MeanAround {
+ public:
+  explicit MeanAround(const Changes& changes) : changes_(&changes), steps_(neighbor_steps(changes.known.grid)) {
+    for (std::size_t n = 0; n < weights_.size(); ++n) {
+      const auto& s = neighbors26[n];
+      weights_[n] = 1 / static_cast<float>(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+    }
   }
-  return sum / total;
-}
+  float at(std::int64_t v) const {
+    const Grid& g = changes_->known.grid;
+    const bool inner = is_inner(g, v);
+    const std::int64_t i = v % g.size[0], j = v / g.size[0] % g.size[1], k = v / (g.size[0] * g.size[1]);
+    float sum = 0, total = 0;
+    for (std::size_t n = 0; n < steps_.size(); ++n) {
+      const auto& s = neighbors26[n];
+      if (!inner && !g.contains(i + s[0], j + s[1], k + s[2])) continue;
+      const auto from = static_cast<std::size_t>(v + steps_[n]);
+      if (!changes_->known.voxels[from]) continue;
+      sum += weights_[n] * changes_->mm.voxels[from];
+      total += weights_[n];
+    }
+    return sum / total;
+  }
+
+ private:
+  const Changes* changes_;
+  std::array<std::int64_t, 26> steps_;
+  std::array<float, 26> weights_;
+};
 
 /// A surface that moves takes the distances on either side of it along.
 void continue_changes(Changes& changes) {
   const auto layers = static_cast<int>(reach_mm / changes.known.grid.spacing_mm.x);
-  auto front = known_voxels(changes.known);
+  const MeanAround mean(changes);
+  Mask seen = changes.known;
+  auto front = known_voxels(seen);
   for (int layer = 0; layer < layers; ++layer) {
-    front = unknown_around(changes.known, front);
+    front = unseen_around(seen, front);
     std::vector<float> values(front.size());
     parallel::parallel_for(0, static_cast<std::int64_t>(front.size()), [&](std::int64_t begin, std::int64_t end) {
       for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
-        values[n] = change_around(changes, front[n]);
+        values[n] = mean.at(front[n]);
     });
     for (std::size_t n = 0; n < front.size(); ++n) {
       changes.mm.voxels[static_cast<std::size_t>(front[n])] = values[n];

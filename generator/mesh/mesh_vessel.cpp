@@ -58,6 +58,7 @@ std::vector<CurvePoint> sample_rim(const VesselDomain& domain, const VesselEnd& 
   }
   const double spacing = std::min(spacing_per_edge * domain.wall_edge_mm, length / 10);
   std::vector<CurvePoint> samples;
+  samples.reserve(rim.size());
   for (const auto& p : rim) samples.push_back({p, spacing});
   return samples;
 }

@@ -27,9 +27,16 @@ inline AxisTensor axis_tensor(const Vec3& f) {
 
 inline double trace(const AxisTensor& t) { return t.c[0] + t.c[1] + t.c[2]; }
 
-/// Unit eigenvector of the largest eigenvalue (zero for the zero tensor), by Jacobi rotations; its sign is made unique:
-/// the component of largest magnitude is positive.
-inline Vec3 leading_axis(const AxisTensor& t) {
+/// An axis as the vector whose component of largest magnitude is positive.
+inline Vec3 with_unique_sign(const Vec3& axis) {
+  int largest = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::abs(axis[i]) > std::abs(axis[largest])) largest = i;
+  return axis[largest] < 0 ? -axis : axis;
+}
+
+/// leading_axis of any tensor, by Jacobi rotations.
+inline Vec3 leading_axis_by_rotations(const AxisTensor& t) {
   double a[3][3] = {{t.c[0], t.c[3], t.c[4]}, {t.c[3], t.c[1], t.c[5]}, {t.c[4], t.c[5], t.c[2]}};
   double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int sweep = 0; sweep < 12; ++sweep) {
@@ -63,11 +70,42 @@ inline Vec3 leading_axis(const AxisTensor& t) {
   for (int i = 1; i < 3; ++i)
     if (a[i][i] > a[best][best]) best = i;
   if (a[best][best] <= 0) return {};
-  Vec3 axis = normalized({v[0][best], v[1][best], v[2][best]});
-  int largest = 0;
-  for (int i = 1; i < 3; ++i)
-    if (std::abs(axis[i]) > std::abs(axis[largest])) largest = i;
-  return axis[largest] < 0 ? -axis : axis;
+  return with_unique_sign(normalized({v[0][best], v[1][best], v[2][best]}));
+}
+
+/// Unit eigenvector of the largest eigenvalue (zero for the zero tensor); its sign is made unique.
+/// Where that eigenvalue stands clear of the next one, as in nearly all means of fibres, it is the largest root of
+/// x^3 - 3 x - 2 r, to which Newton's method falls from x = 2 (the tensor is m + p B with B free of a trace, r half the
+/// determinant of B); else by rotations.
+inline Vec3 leading_axis(const AxisTensor& t) {
+  constexpr double clear = -0.5;    // r is -1 where the two largest eigenvalues are one, 1 where the two others are
+  constexpr double uneven = 1e-20;  // squared: below, the tensor is a multiple of the identity but for rounding
+  constexpr int most_steps = 8;     // r = clear needs five
+  const double m = trace(t) / 3;
+  Vec3 diagonal{t.c[0] - m, t.c[1] - m, t.c[2] - m}, rest{t.c[3], t.c[4], t.c[5]};  // xx yy zz, xy xz yz
+  const double p2 = (dot(diagonal, diagonal) + 2 * dot(rest, rest)) / 6;
+  if (!(p2 > uneven * m * m)) return leading_axis_by_rotations(t);
+  const double p = std::sqrt(p2);
+  diagonal = diagonal / p;
+  rest = rest / p;
+  const double r =
+      0.5 * (diagonal.x * (diagonal.y * diagonal.z - rest.z * rest.z) -
+             rest.x * (rest.x * diagonal.z - rest.z * rest.y) + rest.y * (rest.x * rest.z - diagonal.y * rest.y));
+  if (!(r > clear)) return leading_axis_by_rotations(t);
+  double x = 2;
+  for (int step = 0; step < most_steps; ++step) {
+    const double lower = x - (x * (x * x - 3) - 2 * r) / (3 * (x * x - 1));
+    if (!(lower < x)) break;
+    x = lower;
+  }
+  if (m + p * x <= 0) return {};
+  // Rows of B - x are across the axis: the longest product of two of them is the most accurate.
+  const Vec3 rows[3] = {
+      {diagonal.x - x, rest.x, rest.y}, {rest.x, diagonal.y - x, rest.z}, {rest.y, rest.z, diagonal.z - x}};
+  Vec3 longest = cross(rows[0], rows[1]);
+  for (const Vec3& other : {cross(rows[0], rows[2]), cross(rows[1], rows[2])})
+    if (dot(other, other) > dot(longest, longest)) longest = other;
+  return with_unique_sign(normalized(longest));
 }
 
 }  // namespace heart::atlas

@@ -141,7 +141,10 @@ LabelVolume papillary_as_blood(LabelVolume labels) {
 
 Volume<std::uint8_t> parts_of_labels(const LabelVolume& labels) {
   Volume<std::uint8_t> parts(labels.grid);
-  for (std::size_t v = 0; v < parts.voxels.size(); ++v) parts.voxels[v] = part_of_region(labels.voxels[v]);
+  parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
+    for (auto v = static_cast<std::size_t>(begin); v < static_cast<std::size_t>(end); ++v)
+      parts.voxels[v] = part_of_region(labels.voxels[v]);
+  });
   return parts;
 }
 
@@ -161,9 +164,9 @@ PartShares part_shares(const std::map<std::uint8_t, Volume<float>>& of_parts, co
 Vec3 rough_axis(const LabelVolume& labels) {
   std::vector<Vec3> wall, blood;
   for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
-    const Vec3 p = voxel_center(labels.grid, static_cast<std::int64_t>(v));
-    if (labels.voxels[v] == tag(Region::lv_myocardium)) wall.push_back(p);
-    if (labels.voxels[v] == tag(Region::lv_blood)) blood.push_back(p);
+    const auto label = labels.voxels[v];
+    if (label != tag(Region::lv_myocardium) && label != tag(Region::lv_blood)) continue;
+    (label == tag(Region::lv_blood) ? blood : wall).push_back(voxel_center(labels.grid, static_cast<std::int64_t>(v)));
   }
   const Vec3 middle = mean_of(blood);
   AxisTensor spread;
@@ -290,12 +293,16 @@ void continue_above(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3&
 
 Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles) {
   Volume<std::uint8_t> parts = ventricles.parts;
-  for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
-    const Vec3 p = voxel_center(parts.grid, static_cast<std::int64_t>(v));
-    const bool above =
-        depth_below_base_mm(ventricles.frame, p) < 0 || (ventricles.cut && depth_below_mm(*ventricles.cut, p) < 0);
-    if (above || is(parts.voxels[v], Part::other)) parts.voxels[v] = tag(Part::outside);
-  }
+  const auto is_above = [&](const Vec3& p) {
+    return depth_below_base_mm(ventricles.frame, p) < 0 || (ventricles.cut && depth_below_mm(*ventricles.cut, p) < 0);
+  };
+  parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t v = begin; v < end; ++v) {
+      auto& part = parts.voxels[static_cast<std::size_t>(v)];
+      if (is(part, Part::outside)) continue;
+      if (is(part, Part::other) || is_above(voxel_center(parts.grid, v))) part = tag(Part::outside);
+    }
+  });
   return parts;
 }
 

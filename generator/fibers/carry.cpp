@@ -104,10 +104,10 @@ void set_ventricles(const Hearts& hearts, const TetMesh& mesh, const NodeKinds& 
   std::vector<std::uint8_t> blended(axes.size());
   for (std::size_t n = 0; n < axes.size(); ++n) blended[n] = kinds.ventricle[n] && walls.at_junction[n];
   relax_axes(edges, blended, junction_sweeps, axes);
-  for (std::size_t n = 0; n < axes.size(); ++n) {
-    if (!kinds.ventricle[n]) continue;
-    directions.fiber[n] = atlas::leading_axis(axes[n]);
-  }
+  parallel::parallel_for(0, static_cast<std::int64_t>(axes.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      if (kinds.ventricle[n]) directions.fiber[n] = atlas::leading_axis(axes[n]);
+  });
 }
 
 /// At the wanted nodes where the rule has an axis.

@@ -39,7 +39,10 @@ MaterialAxes material_axes(const Vec3& fiber, const Vec3& transmural) {
 FiberField node_frames(const std::vector<Vec3>& fiber, const std::vector<Vec3>& transmural) {
   FiberField field;
   resize(field, fiber.size());
-  for (std::size_t n = 0; n < fiber.size(); ++n) set(field, n, material_axes(fiber[n], transmural[n]));
+  parallel::parallel_for(0, static_cast<std::int64_t>(fiber.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      set(field, n, material_axes(fiber[n], transmural[n]));
+  });
   return field;
 }
 

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
-#include "generator/parallel/threads.hpp"
+#include "generator/parallel/tasks.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -94,16 +95,18 @@ Vec3 middle_of(const Wall& wall, const Rows& rows) {
 
 std::vector<Harmonic> harmonics(const Wall& wall, const std::vector<std::vector<Held>>& held) {
   std::vector<Harmonic> result(held.size());
-  parallel::parallel_for(0, static_cast<std::int64_t>(held.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
+  std::vector<std::function<void()>> tasks;
+  tasks.reserve(held.size());
+  for (std::size_t p = 0; p < held.size(); ++p)
+    tasks.emplace_back([&, p] {
       FixedValues fixed(wall.matrix.nodes.size(), std::numeric_limits<double>::quiet_NaN());
       for (const Held& part : held[p])
         for (const auto r : part.rows)
           if (auto& value = fixed[static_cast<std::size_t>(r)]; std::isnan(value)) value = part.value;
       result[p].value = solve_laplace(wall.matrix, fixed);
       result[p].slope = node_gradients(*wall.mesh, wall.matrix, result[p].value);
-    }
-  });
+    });
+  parallel::run_tasks(tasks);
   return result;
 }
 

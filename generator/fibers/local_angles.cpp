@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nanoflann.hpp>
 
 #include "generator/parallel/threads.hpp"
@@ -38,6 +39,63 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
 struct Neighbor {
   std::size_t sample;
   double squared_distance;
+};
+
+double squared_distance(const WallFeature& a, const WallFeature& b) {
+  double sum = 0;
+  for (std::size_t axis = 0; axis < a.size(); ++axis) sum += (a[axis] - b[axis]) * (a[axis] - b[axis]);
+  return sum;
+}
+
+/// The nearest samples of one query after another, nearest first. Queries come place by place, so those of the one
+/// before are a first guess: what lies beyond the farthest of them is never looked at. That only saves time: the result
+/// of a query does not depend on those before it.
+class NearestSamples {
+ public:
+  using DistanceType = double;  // this and the public functions below `found` are what nanoflann asks of a result
+  explicit NearestSamples(const AngleSamples& samples) : features_(&samples.feature) { near_.reserve(most_candidates); }
+
+  const std::vector<Neighbor>& of(const Tree& tree, const WallFeature& query) {
+    worst_ = near_.size() < neighbors ? std::numeric_limits<double>::max() : 0;
+    for (const Neighbor& n : near_) worst_ = std::max(worst_, widened(squared_distance((*features_)[n.sample], query)));
+    near_.clear();
+    tree.findNeighbors(*this, query.data(), nanoflann::SearchParams());
+    keep_nearest();
+    std::sort(near_.begin(), near_.end(), is_nearer);
+    return near_;
+  }
+  const std::vector<Neighbor>& found() const { return near_; }
+
+  bool addPoint(double squared, std::size_t sample) {
+    if (squared > worst_) return true;
+    near_.push_back({sample, squared});
+    if (near_.size() == most_candidates) keep_nearest();
+    return true;
+  }
+  double worstDist() const { return worst_; }
+  bool full() const { return near_.size() >= neighbors; }
+  std::size_t size() const { return near_.size(); }
+
+ private:
+  static constexpr std::size_t most_candidates = 2 * neighbors;
+
+  /// So that neither rounding nor equal distances decide what is looked at.
+  static double widened(double squared) { return squared * (1 + 1e-9) + 1e-9; }
+
+  static bool is_nearer(const Neighbor& a, const Neighbor& b) {
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.sample < b.sample;
+  }
+
+  void keep_nearest() {
+    if (near_.size() <= neighbors) return;
+    std::nth_element(near_.begin(), near_.begin() + (neighbors - 1), near_.end(), is_nearer);
+    near_.resize(neighbors);
+    worst_ = std::min(worst_, widened(near_.back().squared_distance));
+  }
+
+  const std::vector<WallFeature>* features_;
+  std::vector<Neighbor> near_;
+  double worst_ = 0;
 };
 
 /// Fibres lie along their wall. Where one does not, the wall's directions there are most likely wrong, as at corners
@@ -129,19 +187,14 @@ std::vector<AxisTensor> carry_local_angles(const AngleSamples& samples, const st
   const Tree wide(4, wide_cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   std::vector<AxisTensor> result(queries.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(queries.size()), [&](std::int64_t begin, std::int64_t end) {
-    std::array<std::size_t, neighbors> index;
-    std::array<double, neighbors> squared;
-    std::vector<Neighbor> near;
+    NearestSamples nearest(samples);
     for (auto q = static_cast<std::size_t>(begin); q < static_cast<std::size_t>(end); ++q) {
       WallFeature at = queries[q].feature;
-      std::size_t found = tree.knnSearch(at.data(), neighbors, index.data(), squared.data());
-      if (squared.front() > farthest * farthest) {
+      if (nearest.of(tree, at).front().squared_distance > farthest * farthest) {
         at = at_border(samples, wide, at);
-        found = tree.knnSearch(at.data(), neighbors, index.data(), squared.data());
+        nearest.of(tree, at);
       }
-      near.clear();
-      for (std::size_t n = 0; n < found; ++n) near.push_back({index[n], squared[n]});
-      result[q] = in_patient_frame(regressed(samples, at, near), queries[q].at);
+      result[q] = in_patient_frame(regressed(samples, at, nearest.found()), queries[q].at);
     }
   });
   return result;

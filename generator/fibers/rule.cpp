@@ -54,13 +54,15 @@ RuleAxis local_muscle_axis(const PointCloud& cloud, const atlas::PointTree& tree
 
 std::vector<float> differences_deg(const std::vector<Vec3>& cell_axes, const RuleField& rule) {
   std::vector<float> result(cell_axes.size(), -1.0F);
-  for (std::size_t n = 0; n < rule.cells.size(); ++n) {
-    const auto c = static_cast<std::size_t>(rule.cells[n]);
-    const Vec3 &ours = cell_axes[c], &rules = rule.cell_axes[n].fiber;
-    if (ours == Vec3{} || rules == Vec3{}) continue;
-    result[c] =
-        static_cast<float>(std::atan2(norm(cross(ours, rules)), std::abs(dot(ours, rules))) * 180 / std::numbers::pi);
-  }
+  parallel::parallel_for(0, static_cast<std::int64_t>(rule.cells.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      const auto c = static_cast<std::size_t>(rule.cells[n]);
+      const Vec3 &ours = cell_axes[c], &rules = rule.cell_axes[n].fiber;
+      if (ours == Vec3{} || rules == Vec3{}) continue;
+      result[c] =
+          static_cast<float>(std::atan2(norm(cross(ours, rules)), std::abs(dot(ours, rules))) * 180 / std::numbers::pi);
+    }
+  });
   return result;
 }
 

@@ -3,10 +3,15 @@
 #include <cmath>
 
 #include "generator/fibers/frame.hpp"
+#include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
 
 namespace heart::fibers {
 namespace {
+
+bool is_ventricular(std::int32_t region) {
+  return region == tag(Region::lv_myocardium) || region == tag(Region::rv_myocardium);
+}
 
 bool is_steep(const Cell& cell, const FiberField& node) {
   constexpr double most_cosine = 0.906;  // 25 degrees
@@ -28,23 +33,29 @@ Vec3 centroid(const TetMesh& mesh, const Cell& cell) {
 
 void carry_to_steep_cells(const Hearts& hearts, const TetMesh& mesh, const FiberField& node, const std::string& method,
                           FiberField& cell) {
+  std::vector<std::uint8_t> is_chosen(mesh.cells.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(mesh.cells.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
+      is_chosen[c] = is_ventricular(mesh.region[c]) && is_steep(mesh.cells[c], node);
+  });
   std::vector<std::size_t> steep;
   std::vector<Vec3> points;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    const bool ventricle = mesh.region[c] == tag(Region::lv_myocardium) || mesh.region[c] == tag(Region::rv_myocardium);
-    if (!ventricle || !is_steep(mesh.cells[c], node)) continue;
+    if (!is_chosen[c]) continue;
     steep.push_back(c);
     points.push_back(centroid(mesh, mesh.cells[c]));
   }
   const auto walls = point_walls(hearts, points, std::vector<std::uint8_t>(points.size(), 1));
   const auto axes = carried_axes(hearts, walls, points, atlas_positions(hearts, points), method);
-  for (std::size_t n = 0; n < steep.size(); ++n) {
-    if (!walls.known[n] || trace(axes[n]) <= 0) continue;
-    const auto frame = material_axes(atlas::leading_axis(axes[n]), walls.main(n).normal);
-    cell.fiber[steep[n]] = frame.fiber;
-    cell.sheet[steep[n]] = frame.sheet;
-    cell.sheet_normal[steep[n]] = frame.sheet_normal;
-  }
+  parallel::parallel_for(0, static_cast<std::int64_t>(steep.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      if (!walls.known[n] || trace(axes[n]) <= 0) continue;
+      const auto frame = material_axes(atlas::leading_axis(axes[n]), walls.main(n).normal);
+      cell.fiber[steep[n]] = frame.fiber;
+      cell.sheet[steep[n]] = frame.sheet;
+      cell.sheet_normal[steep[n]] = frame.sheet_normal;
+    }
+  });
 }
 
 }  // namespace heart::fibers

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <vector>
 
 #include "support/model_heart.hpp"
 
@@ -53,6 +54,42 @@ TEST(LocalAngles, SamplesWhoseFiberLeavesTheirWallHardlyCount) {
   const Vec3 along{1, 0, 0}, off{std::cos(40 * degree), 0, std::sin(40 * degree)};
   const auto samples = slab([&](int number, double) { return number % 3 == 0 ? off : along; });
   EXPECT_LT(axis_angle_deg(carried_at(samples, {0.7, -1.1, 5}, 0.5), along), 3);
+}
+
+/// Places in no order, on the samples (so that many are equally far), between them and beyond them.
+std::vector<fibers::AngleQuery> scattered_queries() {
+  std::vector<fibers::AngleQuery> queries;
+  for (int n = 0; n < 300; ++n) {
+    fibers::AngleQuery query;
+    const double depth = 0.025 * (n * 7 % 41);
+    const double off_mm = n % 3 == 0 ? 0 : 0.37 * (n % 5);
+    const double reach_mm = n % 17 == 0 ? 9 : 2;
+    query.feature =
+        fibers::place_feature({reach_mm * (n * 5 % 11 - 5) + off_mm, 2.0 * (n * 3 % 11 - 5), 10 * depth}, depth);
+    query.at.circumferential = {1, 0, 0};
+    query.at.longitudinal = {0, 1, 0};
+    query.at.normal = {0, 0, 1};
+    queries.push_back(query);
+  }
+  return queries;
+}
+
+TEST(LocalAngles, AQueryDoesNotDependOnThoseBeforeIt) {
+  const auto samples = slab([](int number, double depth) {
+    const double angle = (60 * (1 - 2 * depth) + 5 * std::sin(number)) * degree;
+    return Vec3{std::cos(angle), std::sin(angle), 0};
+  });
+  const auto queries = scattered_queries();
+  const auto together = fibers::carry_local_angles(samples, queries);
+  for (std::size_t q = 0; q < queries.size(); ++q)
+    EXPECT_EQ(together[q].c, fibers::carry_local_angles(samples, {queries[q]}).front().c) << q;
+}
+
+TEST(LocalAngles, FewSamplesAreAllUsed) {
+  const auto all = slab([](int, double) { return Vec3{1, 0, 0}; });
+  const fibers::AngleSamples few{{all.feature.begin(), all.feature.begin() + 5},
+                                 {all.tensor.begin(), all.tensor.begin() + 5}};
+  for (const auto& carried : fibers::carry_local_angles(few, scattered_queries())) EXPECT_NEAR(carried.c[0], 1, 1e-9);
 }
 
 }  // namespace

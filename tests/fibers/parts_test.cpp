@@ -1,6 +1,7 @@
 // The pieces of the fibre stages against closed forms.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -42,6 +43,32 @@ TEST(AxisTensor, LeadingAxisOfADyadIsTheAxis) {
     EXPECT_LT(testing::axis_angle_deg(f, atlas::leading_axis(atlas::axis_tensor(f))), 1e-6);
   }
   EXPECT_EQ(atlas::leading_axis(AxisTensor{}), Vec3{});
+}
+
+AxisTensor tensor_of(const std::array<Vec3, 3>& axes, const Vec3& values) {
+  return values.x * atlas::axis_tensor(axes[0]) + values.y * atlas::axis_tensor(axes[1]) +
+         values.z * atlas::axis_tensor(axes[2]);
+}
+
+TEST(AxisTensor, LeadingAxisIsThatOfTheLargestEigenvalueHoweverNearTheNextOneIs) {
+  int n = 0;
+  for (const double scale : {1e-9, 1.0, 1e7})
+    for (const Vec3& values :
+         {Vec3{1, 0, 0}, Vec3{1, 1e-7, -1e-7}, Vec3{1, 0.5, 0.2}, Vec3{1, 0.74, 0}, Vec3{1, 0.76, 0}, Vec3{1, 0.9, 0.9},
+          Vec3{1, 0.999, 0}, Vec3{0.1, -0.3, -0.4}, Vec3{3, 2.99999, 2.99998}}) {
+      ++n;
+      const Vec3 a = normalized({std::sin(1.7 * n), std::cos(2.3 * n), std::sin(0.9 * n + 1)});
+      const Vec3 b = normalized(cross(a, {std::cos(0.4 * n), 0.3, 1})), c = cross(a, b);
+      const auto t = tensor_of({a, b, c}, scale * values);
+      const Vec3 axis = atlas::leading_axis(t);
+      const double gap = (values.x - values.y) / values.x;
+      EXPECT_NEAR(norm(axis), 1, 1e-14);
+      EXPECT_LT(norm(cross(axis, a)), 1e-14 / gap) << scale << " " << values.x << " " << values.y;
+      EXPECT_LT(norm(cross(axis, atlas::leading_axis_by_rotations(t))), 1e-14 / gap);
+    }
+  EXPECT_EQ(atlas::leading_axis(atlas::axis_tensor({0, -2, 0})), (Vec3{0, 1, 0}));
+  EXPECT_EQ(atlas::leading_axis({{-1, -2, -3, 0.1, 0.2, 0.3}}), Vec3{});
+  EXPECT_NEAR(norm(atlas::leading_axis({{1, 1, 1, 0, 0, 0}})), 1, 1e-14);
 }
 
 TEST(MaterialAxes, AreOrthonormalEvenWhereTheWallRunsAlongTheFiber) {

@@ -15,7 +15,8 @@ void add_cgal_rows(Table& table, const char* bench, const adapters::ImplicitDoma
   adapters::LabelledCells cells;
   const double time = seconds([&] { cells = adapters::mesh_implicit(domain, settings); });
   const auto angles = angles_of(cells.nodes_mm, cells.cells, [&](std::size_t i) { return cells.label[i] != 0; });
-  const auto count = static_cast<double>(std::count(cells.label.begin(), cells.label.end(), 1));
+  const auto count = static_cast<double>(
+      cells.label.size() - static_cast<std::size_t>(std::count(cells.label.begin(), cells.label.end(), 0)));
   const auto add = [&](const char* what, double value, const char* unit, const std::string& remark) {
     table.push_back({bench, fmt::format("CGAL Mesh_3, perturb and exude: {}", what), value, unit, remark});
   };

@@ -7,7 +7,7 @@
 
 namespace heart::benchmarks {
 
-/// Meshes the domain of label 1 with refinement, perturbation and exudation; adds speed and angles to the table.
+/// Meshes the domain with refinement, perturbation and exudation; adds speed and angles to the table.
 void add_cgal_rows(Table& table, const char* bench, const adapters::ImplicitDomain& domain, const std::string& note,
                    double our_cells_per_second);
 

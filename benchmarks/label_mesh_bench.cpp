@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "benchmarks/benchmarks.hpp"
+#include "benchmarks/label_measures.hpp"
 #include "benchmarks/mesh_measures.hpp"
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
@@ -18,7 +19,6 @@
 #include "generator/mesh/surfaces.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
-#include "validation/label_fidelity.hpp"
 
 namespace heart::benchmarks {
 namespace {
@@ -68,39 +68,12 @@ LabelDistances distances_of(const TetMesh& mesh, const mesh::MeshDomain& domain)
   return found;
 }
 
-/// Cells and volume of each region, next to the voxels whose centres its level set holds.
-void add_regions(Table& table, const char* bench, const TetMesh& mesh, const mesh::MeshDomain& domain) {
-  std::array<double, 256> volume{}, level_set{};
-  std::array<std::int64_t, 256> count{};
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    std::array<Vec3, 4> p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = mesh.nodes_mm[static_cast<std::size_t>(mesh.cells[c][i])];
-    const auto at = static_cast<std::size_t>(mesh.region[c]);
-    volume[at] += dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / 6;
-    ++count[at];
-  }
-  for (const auto voxel : domain.voxels) level_set[voxel] += domain.grid.voxel_volume_mm3();
-  for (std::size_t r = 1; r < count.size(); ++r)
-    if (level_set[r] > 0)
-      table.push_back({bench, fmt::format("{}: cells", region_name(static_cast<std::int32_t>(r))),
-                       static_cast<double>(count[r]) / 1e3, "k",
-                       fmt::format("volume {:+.2f} % of its level set's", 100 * (volume[r] / level_set[r] - 1))});
-}
-
 /// A mesh, what it was made of, and how long that took.
 struct Made {
   mesh::MeshDomain domain;
   TetMesh mesh;
   mesh::LatticeReport report;
 };
-
-void add_quality(Table& table, const char* bench, const Made& made, std::array<const char*, 2> bounds) {
-  for (const auto& [step, taken] : made.report.seconds)
-    table.push_back({bench, "  of it, lattice: " + step, taken, "s", ""});
-  const auto angles = angles_of(made.mesh.nodes_mm, made.mesh.cells, [](std::size_t) { return true; });
-  table.push_back({bench, "least dihedral angle", angles.least, "degrees", bounds[0]});
-  table.push_back({bench, "greatest dihedral angle", angles.greatest, "degrees", bounds[1]});
-}
 
 /// To first order.
 void add_distances(Table& table, const char* bench, const Made& made) {
@@ -110,27 +83,6 @@ void add_distances(Table& table, const char* bench, const Made& made) {
     table.push_back({bench, fmt::format("{} faces to the level set, p99", what), summary.p99, "edges", "at most 0.1"});
     table.push_back({bench, fmt::format("{} faces to the level set, greatest", what), summary.greatest, "edges",
                      "at most 0.3; to first order: too large where shares are flat"});
-  }
-}
-
-/// As the certificate measures them: of faces' centres and nodes to where the region changes.
-void add_found_distances(Table& table, const char* bench, const Made& made, const LabelVolume& labels) {
-  const Grid& grid = made.domain.grid;
-  const auto label_at = [&](const Vec3& lps_mm) -> int {
-    const Vec3 index = index_from_lps(grid, lps_mm);
-    for (int axis = 0; axis < 3; ++axis)  // the sides of the image end the mesh
-      if (std::abs(index[axis] + 0.5 - 0.5 * static_cast<double>(grid.size[static_cast<std::size_t>(axis)])) >
-          0.5 * static_cast<double>(grid.size[static_cast<std::size_t>(axis)]))
-        return 0;
-    return mesh::region_at(made.domain, index);
-  };
-  const auto rows = validation::check_against_labels("heart", made.mesh, validation::mesh_faces(made.mesh), labels,
-                                                     label_at, ValidationSettings{});
-  for (const auto& row : rows) {
-    if (!row.metric.starts_with("to_labels_") || !row.metric.ends_with("_in_edges")) continue;
-    const bool is_p99 = row.metric.find("p99") != std::string::npos;
-    table.push_back({bench, fmt::format("{} to its level set, {}", row.scope, is_p99 ? "p99" : "greatest"), row.value,
-                     "edges", is_p99 ? "at most 0.1; centres and nodes of faces" : "at most 0.3"});
   }
 }
 
@@ -148,43 +100,9 @@ void add_torso(Table& table, const LabelVolume& labels) {
       {bench, "from label map to labelled mesh", time, "s",
        fmt::format("{:.1f} s of processor time; at most 10 for 1.7 M cells: {:.1f}", used, time * 1.7e6 / cells)});
   made.domain = mesh::make_domain(labels, settings);
-  add_quality(table, bench, made, {"at least 25", "at most 145"});
+  add_quality(table, bench, made.mesh, made.report, {"at least 25", "at most 145"});
   add_distances(table, bench, made);
-  add_regions(table, bench, made.mesh, made.domain);
-}
-
-/// Edges for as many cells in the walls; the share of what thin walls add is about the same in all hearts.
-double heart_edge_for(const LabelVolume& labels, double wall_cells) {
-  constexpr double cells_per_cubed_edge = 8.93;
-  double volume_mm3 = 0;
-  for (const auto label : labels.voxels)
-    if (is_myocardium(static_cast<Region>(label))) volume_mm3 += labels.grid.voxel_volume_mm3();
-  return std::cbrt(cells_per_cubed_edge * volume_mm3 / wall_cells);
-}
-
-// With the blood: it tells the endocardium of each chamber from the epicardium, and thin walls keep both their faces.
-void add_heart(Table& table, const LabelVolume& labels) {
-  const char* bench = "mesh-heart";
-  constexpr double wall_cells = 1.25e6;
-  MeshSettings settings;
-  settings.heart_edge_mm = heart_edge_for(labels, wall_cells);
-  const auto heart = mesh::heart_only(labels);
-  Made made{mesh::make_domain(heart, settings), {}, {}};
-  const double processor = processor_seconds();
-  const double time = seconds([&] { made.mesh = mesh::mesh_domain(made.domain, settings, &made.report); });
-  const double used = processor_seconds() - processor;
-  const auto& regions = made.mesh.region;
-  const auto cells = static_cast<double>(regions.size());
-  const auto in_walls = static_cast<double>(
-      std::count_if(regions.begin(), regions.end(), [](auto r) { return is_myocardium(static_cast<Region>(r)); }));
-  table.push_back({bench, "cells", cells / 1e6, "M", fmt::format("edges of {:.2f} mm", settings.heart_edge_mm)});
-  table.push_back({bench, "of them in the walls", in_walls / 1e6, "M", "five regions; the thesis: 1.25"});
-  table.push_back(
-      {bench, "from level sets to labelled mesh", time, "s",
-       fmt::format("{:.1f} s of processor time; at most 2 for 1.25 M cells: {:.2f}", used, time * wall_cells / cells)});
-  add_quality(table, bench, made, {"at least 30", "at most 143"});
-  add_found_distances(table, bench, made, heart);
-  add_regions(table, bench, made.mesh, made.domain);
+  add_regions(table, bench, made.mesh, volumes_of(made.domain));
 }
 
 void add_vessel(Table& table, const Mask& lumen, Region vessel, MeshSettings settings, const char* backend) {
@@ -215,23 +133,6 @@ Table bench_mesh_torso(const Settings& settings, const parallel::Comm& comm) {
   if (!comm.is_root()) return table;
   parallel::set_thread_count(settings.threads);
   add_torso(table, labels_of(settings));
-  return table;
-}
-
-Table bench_mesh_heart(const Settings& settings, const parallel::Comm& comm) {
-  Table table;
-  if (!comm.is_root()) return table;
-  parallel::set_thread_count(settings.threads);
-  if (!settings.labels.empty()) {
-    add_heart(table, adapters::read_labels(settings.labels));
-    return table;
-  }
-  datasets::PhantomSettings phantom;
-  phantom.size = settings.size;
-  phantom.spacing_mm = settings.spacing_mm;
-  phantom.variant = settings.variant;
-  phantom.companions = phantom.fibers = false;
-  add_heart(table, datasets::make_phantom(phantom).labels);
   return table;
 }
 

@@ -34,6 +34,7 @@ class Handle {
 class H5File {
  public:
   explicit H5File(const std::filesystem::path& path) : whole_(path) {
+    H5dont_atexit();                              // its exit handler writes again what a full disk has refused
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are returned, not printed
     file_ = H5Fcreate(whole_.partial.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
     require(file_ >= 0);

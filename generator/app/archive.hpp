@@ -17,6 +17,7 @@
 #include "generator/labels/place_heart.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/segment/hierarchy.hpp"
+#include "generator/segment/padding.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
@@ -28,7 +29,7 @@ auto members(Volume<T>& v) {
 }
 inline auto members(Landmarks& l) { return std::tie(l.seeds_mm, l.valves, l.lv_apex_mm); }
 inline auto members(landmarks::FoundLandmarks& f) {
-  return std::tie(f.landmarks, f.confidence, f.warnings, f.volumes_ml, f.long_axis);
+  return std::tie(f.landmarks, f.confidence, f.warnings, f.volumes_ml, f.ventricles_cut_cm2, f.long_axis);
 }
 inline auto members(Rim& r) { return std::tie(r.name, r.tag, r.nodes); }
 inline auto members(FiberField& f) { return std::tie(f.fiber, f.sheet, f.sheet_normal); }
@@ -39,6 +40,9 @@ inline auto members(TetMesh& m) {
 inline auto members(Resolutions& r) { return std::tie(r.meshes, r.farthest_mm); }
 inline auto members(segment::SegmentationSide& s) {
   return std::tie(s.name, s.below, s.above, s.c_below, s.c_above, s.iterations);
+}
+inline auto members(segment::Padding& p) {
+  return std::tie(p.value_hu, p.axis, p.width, p.is_column, p.is_slice, p.wall, p.lids);
 }
 inline auto members(labels::GivenLabels& g) { return std::tie(g.labels, g.remarks); }
 inline auto members(labels::TorsoPose& p) { return std::tie(p.torso_from_heart, p.scale, p.rms_mm, p.residual_mm); }

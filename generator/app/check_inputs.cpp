@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdio>
 #include <map>
 #include <optional>
 
@@ -52,6 +54,18 @@ void check_segmentation(const Recipe& recipe) {
                                   {"chambers.tissue", &recipe.chambers.tissue},
                                   {"chambers.soft", &recipe.chambers.soft}})
     segment::check_side(recipe.segmentation, *name, key);
+}
+
+/// Other texts would be left out of the citation and the metadata without a word.
+void check_date(const std::string& date) {
+  int year = 0, month = 0, day = 0;
+  char end = 0;
+  const bool shaped = date.size() == 10 && date[4] == '-' && date[7] == '-' &&
+                      std::sscanf(date.c_str(), "%4d-%2d-%2d%c", &year, &month, &day, &end) == 3;
+  const std::chrono::year_month_day calendar{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                             std::chrono::day(static_cast<unsigned>(day))};
+  if (!date.empty() && !(shaped && calendar.ok()))
+    throw UserError(fmt::format("\"{}\" is no date", date), "date_published", "write YYYY-MM-DD, or leave it out");
 }
 
 void check_files_exist(const Recipe& recipe) {
@@ -106,6 +120,7 @@ void check_inputs(const Recipe& recipe) {
   if (recipe.input.ct.empty() && recipe.input.labels.empty())
     throw UserError("no CT given", "input.ct", "name it in the recipe or with --ct; or give labels alone");
   exporters::require_safe_names(recipe.name, recipe.version);
+  check_date(recipe.date_published);
   check_files_exist(recipe);
   check_torso(recipe.torso);
   labels::label_preset(recipe.labels.preset);
@@ -124,7 +139,7 @@ void check_seeds_inside(const Grid& grid, const Landmarks& landmarks) {
 }
 
 void refuse_cut_ventricles(const LabelVolume& labels, const segment::Padding& padding) {
-  constexpr double most_cm2 = 3, mm2_per_cm2 = 100;  // a whole section: 15 and more
+  constexpr double mm2_per_cm2 = 100;
   const auto& size = labels.grid.size;
   const Vec3& s = labels.grid.spacing_mm;
   const std::array<double, 3> face_mm2{s.y * s.z, s.x * s.z, s.x * s.y};
@@ -144,8 +159,13 @@ void refuse_cut_ventricles(const LabelVolume& labels, const segment::Padding& pa
             if (!labels.grid.contains(next[0], next[1], next[2]) || padding.covers(next)) cut_mm2 += face_mm2[axis];
           }
       }
-  if (cut_mm2 > most_cm2 * mm2_per_cm2)
-    throw UserError(fmt::format("the field of view cuts the ventricles, over {:.0f} cm2", cut_mm2 / mm2_per_cm2), "CT",
+  refuse_cut_ventricles(cut_mm2 / mm2_per_cm2);
+}
+
+void refuse_cut_ventricles(double cut_cm2) {
+  constexpr double most_cm2 = 3;  // a whole section: 15 and more
+  if (cut_cm2 > most_cm2)
+    throw UserError(fmt::format("the field of view cuts the ventricles, over {:.0f} cm2", cut_cm2), "CT",
                     "use a scan that shows the whole heart, or give labels of it");
 }
 

@@ -26,6 +26,9 @@ void check_seeds_inside(const Grid& grid, const Landmarks& landmarks);
 /// in the CT end at its border or beside its padding.
 void refuse_cut_ventricles(const LabelVolume& labels, const segment::Padding& padding);
 
+/// The same from the area that the search for landmarks saw, long before there are labels.
+void refuse_cut_ventricles(double cut_cm2);
+
 /// Throws UserError where the labels' heart is the mirror image of a heart, to which the fibre stage could not carry an
 /// atlas. Found on a coarse grid, before the meshing; what cannot be seen there is left to that stage.
 void refuse_mirrored_heart(const LabelVolume& labels, const Landmarks& landmarks);

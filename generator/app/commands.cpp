@@ -20,6 +20,7 @@
 #include "generator/labels/given_labels.hpp"
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/mesh/mesh_heart.hpp"
+#include "generator/mesh/walls.hpp"
 #include "generator/segment/filters.hpp"
 #include "generator/segment/hounsfield.hpp"
 #include "generator/segment/padding.hpp"
@@ -336,6 +337,22 @@ std::string filter_help() {
   return text;
 }
 
+namespace {
+
+/// Tells of walls that are too thin for their edges.
+void remark_on_thin_walls(const mesh::WallLevelSets& walls) {
+  constexpr double told = 0.03;
+  std::array<double, 256> before{}, after{};  // voxels
+  for (const auto label : walls.domain.voxels) ++before[label];
+  for (const auto label : mesh::labels_of(walls).voxels) ++after[label];
+  for (const auto label : walls.labels)
+    if (const double lost = 1 - after[label] / before[label]; lost > told)
+      fmt::print(stderr, "heartgen mesh: {:.0f} % of {} is too thin for these edges and left out: give shorter ones\n",
+                 100 * lost, region_name(label));
+}
+
+}  // namespace
+
 int mesh_command(const MeshCommand& command) {
   MeshSettings settings;
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
@@ -343,6 +360,9 @@ int mesh_command(const MeshCommand& command) {
   if (!command.backend.empty()) settings.backend = command.backend;
   check_edges(settings);
   mesh::check_settings(settings);
+  if (command.walls && settings.backend != MeshSettings{}.backend)
+    throw UserError(fmt::format("--walls does not go with the back end \"{}\"", settings.backend), "--backend",
+                    "leave one of them out");
   check_mesh_output(command.output);
   mesh::LatticeReport steps;
   steps.on_step = [](const std::string& step, double seconds) {
@@ -353,12 +373,22 @@ int mesh_command(const MeshCommand& command) {
   check_memory(labels, settings, machine_memory_bytes());
   Volume<float> own_edges_mm;
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
-  const TetMesh mesh =
-      mesh::mesh_labels(labels, settings, &steps, command.size_field.empty() ? nullptr : &own_edges_mm);
+  const Volume<float>* edges = command.size_field.empty() ? nullptr : &own_edges_mm;
   const std::string name = fs::path(command.output).stem().string();
+  TetMesh mesh;
+  Report fidelity;
+  if (command.walls) {
+    const auto walls = mesh::wall_level_sets(labels, settings);
+    remark_on_thin_walls(walls);
+    mesh = mesh::mesh_walls(walls, settings, &steps, edges);
+    fidelity = check_fidelity(name, mesh, walls, {});
+  } else {
+    mesh = mesh::mesh_labels(labels, settings, &steps, edges);
+    fidelity = check_fidelity(name, mesh, labels, settings, {});
+  }
   const auto files = write_mesh(command.output, mesh);
   Report report = validation::check_mesh(name, mesh, {});
-  append(report, check_fidelity(name, mesh, labels, settings, {}));
+  append(report, fidelity);
   if (command.json)
     fmt::print("{}\n", with_files(report, files).dump(1));
   else {

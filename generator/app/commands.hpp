@@ -49,6 +49,7 @@ struct MeshCommand {
   std::string labels, output, backend, size_field;
   std::optional<double> edge_mm;
   std::optional<int> wall_layers;
+  bool walls = false;  ///< these alone
   bool json = false;
 };
 int mesh_command(const MeshCommand& command);

@@ -113,9 +113,9 @@ bool chambers_are_marked(const Landmarks& landmarks) {
   return true;
 }
 
-Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
-                             std::vector<std::string>& remarks) {
-  if (chambers_are_marked(given)) return given;
+CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
+                                      std::vector<std::string>& remarks) {
+  if (chambers_are_marked(given)) return {given};
   const auto found = run.root_stage("landmarks", {ct.key}, [&] { return landmarks::find_landmarks(*ct); });
   Landmarks all = given;
   all.seeds_mm.insert(found->landmarks.seeds_mm.begin(), found->landmarks.seeds_mm.end());
@@ -128,7 +128,7 @@ Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmar
   for (const auto& warning : found->warnings) remarks.push_back("Automatic landmarks: " + warning);
   std::string text = write_landmarks(all);  // what the root found, for every rank
   parallel::broadcast(run.comm, text);
-  return parse_landmarks(text, "automatic landmarks");
+  return {parse_landmarks(text, "automatic landmarks"), found->ventricles_cut_cm2};
 }
 
 KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const std::string& hash,

@@ -25,10 +25,15 @@ segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& 
 /// Whether seeds for all four chambers are given, so that none need to be looked for.
 bool chambers_are_marked(const Landmarks& landmarks);
 
+struct CompletedLandmarks {
+  Landmarks landmarks;
+  double ventricles_cut_cm2 = 0;  ///< as far as a search has seen that. Root only
+};
+
 /// The recipe's landmarks, completed by those found in the CT where the recipe does not mark all four chambers.
 /// What the recipe gives wins. @collective
-Landmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
-                             std::vector<std::string>& remarks);
+CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
+                                      std::vector<std::string>& remarks);
 
 /// Reads the recipe's `input.labels`, if any, on the CT's grid; `hash` stands for the files' contents. Without a CT
 /// (no voxels) they keep their own grid, and what only a CT could add is missing no more, which the remarks say.

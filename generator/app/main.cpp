@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <clocale>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -95,6 +96,7 @@ int command_line(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the system's limit ends in a message, as on a full disk
   try {
     return command_line(argc, argv);
   } catch (...) {  // what is thrown before a command runs or while its message is printed; nothing may leave main

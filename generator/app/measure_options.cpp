@@ -39,7 +39,7 @@ void add_fiber_accuracy(Program& p) {
   sub->add_option("--label-spacing", f.spacing_mm, "of the labels, mm: one number or X,Y,Z (default 0.5,0.5,1.2)")
       ->delimiter(',');
   sub->add_option("--depth-grid", f.depth_grid_mm,
-                  "mm to which labels are resampled (default 1, as in a build; 0: the labels' finest spacing: with "
+                  "mm to which labels are resampled (default 0.85, as in a build; 0: the labels' finest spacing: with "
                   "--label-spacing 1.2, labels on a grid of their own)");
   sub->add_option("--mesh-edge", f.mesh_edge_mm, "also at nodes and cells of a mesh with this edge, mm");
   sub->add_flag("--json", f.json, "print as JSON");

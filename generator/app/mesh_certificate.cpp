@@ -4,6 +4,7 @@
 
 #include "generator/app/resolutions.hpp"
 #include "generator/mesh/domain.hpp"
+#include "generator/mesh/walls.hpp"
 #include "generator/parallel/tasks.hpp"
 #include "model/labels.hpp"
 #include "validation/curve_fidelity.hpp"
@@ -64,6 +65,15 @@ Report fidelity_rows(const std::string& mesh_name, const TetMesh& mesh, const st
 Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
                       const MeshSettings& mesh_settings, const ValidationSettings& bounds) {
   return fidelity_rows(mesh_name, mesh, validation::mesh_faces(mesh), labels, mesh_settings, bounds);
+}
+
+Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const mesh::WallLevelSets& walls,
+                      const ValidationSettings& bounds) {
+  const auto labels = mesh::labels_of(walls);
+  const auto label_at = [&](const Vec3& lps_mm) -> int {
+    return in_field_of_view(labels.grid, index_from_lps(labels.grid, lps_mm)) ? mesh::wall_at(walls, lps_mm) : 0;
+  };
+  return validation::check_against_labels(mesh_name, mesh, validation::mesh_faces(mesh), labels, label_at, bounds);
 }
 
 ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const validation::FacesOfMeshes& faces,

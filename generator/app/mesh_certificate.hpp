@@ -11,6 +11,10 @@
 #include "model/volume.hpp"
 #include "validation/mesh_topology.hpp"
 
+namespace heart::mesh {
+struct WallLevelSets;
+}
+
 namespace heart::app {
 
 /// Rows of a report that depend on no others.
@@ -32,5 +36,9 @@ ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const
 /// A mesh that was made of the whole label map, against it.
 Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
                       const MeshSettings& mesh_settings, const ValidationSettings& bounds);
+
+/// A mesh of the walls alone, against their level sets.
+Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const mesh::WallLevelSets& walls,
+                      const ValidationSettings& bounds);
 
 }  // namespace heart::app

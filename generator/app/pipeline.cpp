@@ -46,7 +46,8 @@ Meshes heart_meshes(const Recipe& recipe, const LabelVolume& labels) {
   return mesh::mesh_heart(labels, recipe.mesh, &own_edges_mm);
 }
 
-/// Where the body's field of view ends within its label map: another patient's image, or padding of this one's.
+/// Where the body's field of view ends within its label map: at the border of another patient's image, which is not
+/// that of the map, and at the padding of the body's image.
 struct FieldOfView {
   const Grid* of_torso = nullptr;
   segment::Padding padding{};
@@ -55,10 +56,8 @@ struct FieldOfView {
 Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels, const FieldOfView& view) {
   Meshes meshes = heart_meshes(recipe, labels);
   if (meshes.contains("torso")) {
-    if (view.of_torso != nullptr)
-      label_torso_cuts(meshes.at("torso"), *view.of_torso);
-    else
-      label_padding_cuts(meshes.at("torso"), labels.grid, view.padding);
+    if (view.of_torso != nullptr) label_torso_cuts(meshes.at("torso"), *view.of_torso);
+    label_padding_cuts(meshes.at("torso"), view.of_torso != nullptr ? *view.of_torso : labels.grid, view.padding);
   }
   if (wants(recipe, "trachea") && labels::holds(labels, Region::trachea))
     meshes["trachea"] = mesh::mesh_vessel(region_mask(labels, Region::trachea), Region::trachea, recipe.mesh);
@@ -321,15 +320,21 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   run.files.grid = ct->grid;
   parallel::run_on_root(comm, [&] { check_seeds_inside(ct->grid, recipe.landmarks); });
   const auto padding = close_unmeasured(run, ct, recipe, remarks);
-  if (known.missing.chambers) recipe.landmarks = complete_landmarks(run, ct, recipe.landmarks, remarks);
+  const auto& files = run.files.replaced_by;
+  const bool chambers_of_ct = known.missing.chambers && !files.contains("chambers") && !files.contains("labels");
+  if (known.missing.chambers) {
+    auto completed = complete_landmarks(run, ct, recipe.landmarks, remarks);
+    recipe.landmarks = std::move(completed.landmarks);
+    parallel::run_on_root(comm, [&] {
+      if (chambers_of_ct) refuse_cut_ventricles(completed.ventricles_cut_cm2);
+    });
+  }
   auto heart = label_ct(run, ct, recipe, known, padding);
   parallel::run_on_root(comm, [&] {
     segment::reopen_padding(ct.value, padding);
     refuse_empty_regions(*heart, recipe);
     check_memory(*heart, recipe.mesh, machine_memory_bytes());
-    const auto& files = run.files.replaced_by;
-    if (known.missing.chambers && !files.contains("chambers") && !files.contains("labels"))
-      refuse_cut_ventricles(*heart, padding);
+    if (chambers_of_ct) refuse_cut_ventricles(*heart, padding);
     refuse_mirrored_heart(*heart, recipe.landmarks);
     settle_replacements(run, recipe.replace, inputs, remarks);
   });
@@ -340,7 +345,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   const LabelVolume& labels = has_torso ? around->labels : *heart;
   const auto& labels_key = has_torso ? around.key : heart.key;
   const auto mesh_inputs = hash_of(inputs, "ct") + hash_of(inputs, "carotid") + hash_of(inputs, "size_field");
-  const FieldOfView view{has_torso ? &around->torso_grid : nullptr, padding};
+  const FieldOfView view{has_torso ? &around->torso_grid : nullptr, has_torso ? around->torso_padding : padding};
   const auto meshes = run.root_stage("mesh", {labels_key, mesh_inputs, mesh_section(recipe)},
                                      [&] { return make_meshes(recipe, labels, view); });
   const auto fibers = run.root_stage(

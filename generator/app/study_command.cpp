@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "generator/study/studies.hpp"
@@ -57,6 +58,7 @@ void print_text(const StudyResult& result) {
 
 int study_command(const StudyCommand& command) {
   const std::vector<study::StudyEntry> entries = chosen(command.names);
+  if (!command.output.empty()) check_output(std::filesystem::path(command.output) / "index.html");
   std::vector<StudyResult> results;
   for (const auto& entry : entries) {
     study::StudySettings settings;

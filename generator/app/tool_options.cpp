@@ -38,6 +38,8 @@ void add_tools(Program& p) {
   mesh->add_option("--layers", p.mesh.wall_layers, "cells across thin walls, 0 to 4 (default: the recipe's)");
   mesh->add_option("--size-field", p.mesh.size_field, "image of edge lengths in mm, 0 where nothing is wished");
   mesh->add_option("--backend", p.mesh.backend, "lattice, distmesh, cgal or tetgen (default: the recipe's)");
+  mesh->add_flag("--walls", p.mesh.walls,
+                 "the walls of the heart alone, as five regions with rounded rims: half the time, no blood");
   mesh->add_flag("--json", p.mesh.json, "print the certificate as JSON");
 
   auto* landmarks = subcommand(p, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT",

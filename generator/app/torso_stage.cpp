@@ -57,6 +57,7 @@ bool is_similarity(const adapters::AffineMap& map) {
 struct Person {
   LabelVolume labels;
   Landmarks landmarks;
+  segment::Padding padding{};  ///< of the CT that the labels were made from
 };
 
 /// The other patient's CT goes through the same image stages; their progress is not shown, their results are not kept.
@@ -73,8 +74,8 @@ Person segmented(Run& run, const Recipe& recipe, const std::string& torso_hash, 
   auto ct = own.root_stage("read", {torso_hash}, [&] { return adapters::read_ct(other.input.ct); });
   std::vector<std::string> lines;
   const auto padding = close_unmeasured(own, ct, other, lines);
-  other.landmarks = complete_landmarks(own, ct, other.landmarks, lines);
-  Person person{label_ct(own, ct, other, {}, padding).value, other.landmarks};
+  other.landmarks = complete_landmarks(own, ct, other.landmarks, lines).landmarks;
+  Person person{label_ct(own, ct, other, {}, padding).value, other.landmarks, padding};
   run.used_keys.insert(run.used_keys.end(), own.used_keys.begin(), own.used_keys.end());
   for (const auto& line : lines) remarks.push_back("The torso's CT: " + line);
   return person;
@@ -83,7 +84,7 @@ Person segmented(Run& run, const Recipe& recipe, const std::string& torso_hash, 
 }
 
 Person read_person(const TorsoSettings& settings) {
-  Person person{adapters::read_labels(settings.labels), {}};
+  Person person{adapters::read_labels(settings.labels), {}, {}};
   if (!settings.landmarks.empty()) person.landmarks = read_landmarks(settings.landmarks);
   return person;
 }
@@ -111,6 +112,7 @@ TorsoAround place(const LabelVolume& heart, const Recipe& recipe, const Person& 
   const auto& to_torso = around.pose.torso_from_heart;
   const bool in_torso = recipe.torso.frame == "torso";
   if (in_torso) around.labels.grid = moved(around.labels.grid, to_torso);
+  around.torso_padding = person.padding;
   around.torso_grid = in_torso ? person.labels.grid : moved(person.labels.grid, adapters::inverse(to_torso));
   return around;
 }

@@ -5,6 +5,7 @@
 
 #include "generator/app/run.hpp"
 #include "generator/labels/place_heart.hpp"
+#include "generator/segment/padding.hpp"
 #include "model/landmarks.hpp"
 #include "model/recipe.hpp"
 #include "model/report.hpp"
@@ -17,15 +18,16 @@ void check_torso(const TorsoSettings& settings);
 
 /// What the stage hands on. Its label map, like the heart's, is in the frame that the recipe asks for.
 struct TorsoAround {
-  LabelVolume labels;  ///< heart and torso
-  Grid torso_grid;     ///< of the other patient's image, in the same frame: where its field of view ends
+  LabelVolume labels;                ///< heart and torso
+  Grid torso_grid;                   ///< of the other patient's image, in the same frame: where its field of view ends
+  segment::Padding torso_padding{};  ///< of that image, likewise
   labels::TorsoPose pose;
   std::vector<std::string> marks;  ///< names of what the pose was fitted to; empty: the recipe gave it
   double outside_share = 0, bone_share = 0;
 };
 
 inline auto members(TorsoAround& t) {
-  return std::tie(t.labels, t.torso_grid, t.pose, t.marks, t.outside_share, t.bone_share);
+  return std::tie(t.labels, t.torso_grid, t.torso_padding, t.pose, t.marks, t.outside_share, t.bone_share);
 }
 
 /// The torso's label map, from its file or by the image stages of its own CT, and the heart in it; nothing where the

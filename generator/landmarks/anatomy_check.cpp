@@ -41,6 +41,21 @@ bool is_of_right_heart(const std::string& name) {
          name == "pulmonary";
 }
 
+/// A vessel that the field of view cuts may be any short.
+bool is_cut_vessel(const LabelVolume& chambers, const std::string& name) {
+  const auto region = region_from_name(name);
+  if (region != Region::aorta && region != Region::pulmonary_artery) return false;
+  const auto& size = chambers.grid.size;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++v)
+        if (chambers.voxels[v] == tag(*region) &&
+            (i == 0 || j == 0 || k == 0 || i + 1 == size[0] || j + 1 == size[1] || k + 1 == size[2]))
+          return true;
+  return false;
+}
+
 void check_volumes(const Findings& findings, Report& report) {
   constexpr double half_missing = 0.2;
   if (!has_right_heart(findings))
@@ -52,10 +67,18 @@ void check_volumes(const Findings& findings, Report& report) {
     const auto at = findings.volumes_ml.find(range.name);
     if (at == findings.volumes_ml.end() || at->second == 0)
       report.warn(severe, fmt::format("{} was not found: give its seed by hand", range.name));
-    else if (at->second < range.low || at->second > range.high)
+    else if (at->second > range.high || (at->second < range.low && !is_cut_vessel(findings.chambers, range.name)))
       report.warn(minor, fmt::format("{} holds {:.0f} ml, expected {:.0f} to {:.0f}", range.name, at->second, range.low,
                                      range.high));
   }
+}
+
+void check_field_of_view(const FoundLandmarks& found, Report& report) {
+  constexpr double most_cm2 = 3;  // the tip
+  if (found.ventricles_cut_cm2 > most_cm2)
+    report.warn(severe, fmt::format("the field of view cuts the ventricles, over {:.0f} cm2: use a scan that shows the "
+                                    "whole heart",
+                                    found.ventricles_cut_cm2));
 }
 
 /// With this little contrast usual anatomy decides as much as the image does.
@@ -131,12 +154,12 @@ std::map<std::string, Vec3> centres_of(const LabelVolume& chambers) {
 
 /// The order of the chambers in the body. A mirrored image fails here.
 void check_order(const Findings& findings, Report& report) {
-  if (findings.left_of_spine_mm < 0)
-    report.warn(minor, fmt::format("the heart lies {:.0f} mm right of the spine: is the image mirrored?",
-                                   -findings.left_of_spine_mm));
+  const char* mirrored = findings.slanted ? "" : "; is the image mirrored, or are chambers exchanged?";
+  if (findings.left_of_spine_mm && *findings.left_of_spine_mm < 0)
+    report.warn(minor,
+                fmt::format("the heart lies {:.0f} mm right of the spine{}", -*findings.left_of_spine_mm, mirrored));
   const auto centres = centres_of(findings.chambers);
   const auto both = [&](const char* a, const char* b) { return centres.contains(a) && centres.contains(b); };
-  const char* mirrored = "; is the image mirrored, or are chambers exchanged?";
   if (both("lv_blood", "rv_blood") && centres.at("rv_blood").x > centres.at("lv_blood").x)
     report.warn(severe, fmt::format("the right ventricle lies left of the left one{}", mirrored));
   if (both("la_blood", "rv_blood") && centres.at("la_blood").y < centres.at("rv_blood").y)
@@ -154,9 +177,11 @@ void check_valve_places(const Findings& findings, Report& report) {
   };
   constexpr double height_slack_mm = 3;
   if (both("pulmonary", "aortic") && height("pulmonary") < height("aortic") - height_slack_mm)
-    report.warn(severe, "the pulmonary valve lies below the aortic one: is the image mirrored?");
+    report.warn(severe, fmt::format("the pulmonary valve lies below the aortic one{}",
+                                    findings.slanted ? "" : "; is the image mirrored?"));
   if (both("tricuspid", "pulmonary") && height("tricuspid") > height("pulmonary"))
-    report.warn(severe, "the tricuspid valve lies above the pulmonary one: is the image upside down?");
+    report.warn(severe, fmt::format("the tricuspid valve lies above the pulmonary one{}",
+                                    findings.slanted ? "" : "; is the image upside down?"));
   if (both("mitral", "tricuspid") && (apart("mitral", "tricuspid") < 20 || apart("mitral", "tricuspid") > 75))
     report.warn(minor, fmt::format("mitral and tricuspid valve are {:.0f} mm apart", apart("mitral", "tricuspid")));
   if (both("mitral", "aortic") && (apart("mitral", "aortic") < 10 || apart("mitral", "aortic") > 40))
@@ -172,6 +197,7 @@ void check_anatomy(const Findings& findings, FoundLandmarks& found) {
   if (findings.ventricle_certainty < sure)
     report.warn(severe, fmt::format("another pool looks like a left ventricle too (certainty {:.2f})",
                                     findings.ventricle_certainty));
+  check_field_of_view(found, report);
   check_contrast(findings, report);
   check_volumes(findings, report);
   check_valve_shapes(findings, report);

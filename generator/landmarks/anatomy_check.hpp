@@ -15,8 +15,9 @@ struct Findings {
   const LongAxis& axis;
   const std::map<std::string, double>& volumes_ml;
   double ventricle_certainty = 0;
-  double left_of_spine_mm = 0;                    ///< middle of the heart's blood
+  std::optional<double> left_of_spine_mm{};       ///< middle of the heart's blood; none where the spine is not sure
   std::optional<segment::FaintContrast> faint{};  ///< of the right heart, where it was found by that
+  bool slanted = false;  ///< the header turns the image: that is told elsewhere, in place of other suspicions
 };
 
 /// Fills warnings and confidence.

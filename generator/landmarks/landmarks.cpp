@@ -9,9 +9,11 @@
 #include "generator/landmarks/anatomy_check.hpp"
 #include "generator/landmarks/assign.hpp"
 #include "generator/landmarks/blood.hpp"
+#include "generator/landmarks/cut_ventricles.hpp"
 #include "generator/landmarks/faint_right_heart.hpp"
 #include "generator/landmarks/right_heart.hpp"
 #include "generator/landmarks/search.hpp"
+#include "generator/landmarks/spine.hpp"
 #include "generator/landmarks/trachea.hpp"
 #include "generator/landmarks/valves.hpp"
 #include "generator/segment/faint_right_heart.hpp"
@@ -41,15 +43,6 @@ struct Scene {
   Contrast contrast;
 };
 
-Scene set_scene(const WorkingImage& whole, const Thorax& thorax, double bright_hu) {
-  const Mask chest = refined(thorax.chest, whole.hu.grid);
-  const auto box = bounding_box(chest, 0, [](std::uint8_t set) { return set != 0; });
-  Scene scene{crop(whole, box), crop(chest, box), thorax.spine, {}};
-  scene.contrast = measure_contrast(scene.image, scene.region, thorax.spine, bright_hu);
-  scene.region = without_spine(scene.region, thorax.spine);
-  return scene;
-}
-
 /// Voxels within a heart's reach and a little more.
 Box box_around_heart(const Grid& grid, const Vec3& centre) {
   constexpr double margin_mm = 12;  // shells of muscle around the outermost blood
@@ -67,7 +60,7 @@ struct Chambers {
   WorkingImage image;
   LabelVolume labels;
   LongAxis axis;
-  double left_of_spine_mm = 0;  ///< middle of the heart's blood
+  std::optional<double> left_of_spine_mm;  ///< middle of the heart's blood
   double ventricle_certainty = 0;
   RightHeartLook right;
 };
@@ -95,7 +88,7 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   if (right == 0 || pools.at(right).hu < muscle_hu + pool_contrast_hu)
     chambers.right.faint = add_faint_right_heart(chambers.labels, chambers.image, crop(scene.region, box),
                                                  chambers.axis, scene.contrast, muscle_hu);
-  chambers.left_of_spine_mm = centre.x - scene.spine.at(centre.z).x;
+  if (scene.spine.is_sure) chambers.left_of_spine_mm = centre.x - scene.spine.at(centre.z).x;
   chambers.ventricle_certainty = left->certainty;
   chambers.right.streaks = split_right_heart(chambers.labels, chambers.image.smooth, chambers.axis);
   keep_main_pieces(chambers.labels);
@@ -106,8 +99,8 @@ Chambers find_chambers(const Scene& scene) {
   // The middle value separates most hearts; thin walls need a higher and weak contrast a lower one.
   for (const double fraction : {0.55, 0.45, 0.35})
     if (auto chambers = find_chambers(scene, fraction)) return std::move(*chambers);
-  throw UserError("the left ventricle was found, but not both the left atrium and the aorta next to it", "landmarks",
-                  "check that the image is not mirrored, or give the seeds and valve planes by hand");
+  throw NotAHeart("the left ventricle was found, but not both the left atrium and the aorta next to it",
+                  "check that the image is not mirrored");
 }
 
 constexpr Region pool_regions[] = {Region::lv_blood, Region::rv_blood, Region::la_blood,
@@ -139,9 +132,8 @@ void refuse_upside_down(const std::map<std::string, ValvePatch>& valves) {
   constexpr double downwards = -0.3;  // upright, the valve's normal rises by .4 to .95
   const auto aortic = valves.find("aortic");
   if (aortic == valves.end() || aortic->second.normal.z > downwards) return;
-  throw UserError("the aorta leaves the left ventricle downwards: the image is upside down", "landmarks",
-                  "check the order of its slices and the orientation in its header, or give the seeds and valve "
-                  "planes by hand");
+  throw NotAHeart("the aorta leaves the left ventricle downwards: the image is upside down",
+                  "check the order of its slices and the orientation in its header");
 }
 
 /// By how much the header turns the image against the body's axes, in degrees; 0 for any order of the axes.
@@ -154,47 +146,105 @@ double slant_deg(const Mat3& direction) {
   return std::acos(least_cosine) * 180 / std::numbers::pi;
 }
 
-SearchResult search_in(const CtVolume& ct) {
-  segment::require_hounsfield(ct);
-  const WorkingImage whole = make_working_image(ct);
-  const auto coarse = thinned(whole.smooth, coarse_step);
-  const Thorax thorax = find_thorax(coarse);
-  Chambers chambers = find_chambers(set_scene(whole, thorax, bright_threshold(coarse)));
+/// What is searched, and how far its frame can be trusted.
+struct Subject {
+  WorkingImage image;
+  Volume<float> coarse;
+  Thorax thorax;
+  double bright_hu = 0;
+  bool slanted = false;  ///< by the header
+};
+
+Scene set_scene(const Subject& subject, const Spine& spine) {
+  const Mask chest = refined(subject.thorax.chest, subject.image.hu.grid);
+  const auto box = bounding_box(chest, 0, [](std::uint8_t set) { return set != 0; });
+  Scene scene{crop(subject.image, box), crop(chest, box), spine, {}};
+  scene.contrast = measure_contrast(scene.image, scene.region, spine, subject.bright_hu);
+  scene.region = without_spine(scene.region, spine);
+  return scene;
+}
+
+SearchResult search_in(const Subject& subject, const Scene& scene) {
+  Chambers chambers = find_chambers(scene);
   SearchResult result;
   FoundLandmarks& found = result.found;
-  if (const auto trachea = find_trachea(whole.hu, thorax.spine)) found.landmarks.seeds_mm["trachea"] = *trachea;
+  if (const auto trachea = find_trachea(subject.image.hu, scene.spine)) found.landmarks.seeds_mm["trachea"] = *trachea;
   const auto valves = find_valves(chambers.labels, chambers.image, chambers.axis, chambers.right);
   refuse_upside_down(valves);
   keep_main_pieces(chambers.labels);
   add_seeds(chambers.labels, found);
+  found.ventricles_cut_cm2 = ventricles_cut_cm2(chambers.labels);
   constexpr double margin_mm = 2;  // voxels of both pools beside the orifice
   for (const auto& [name, valve] : valves)
     found.landmarks.valves[name] = {valve.centre_mm, valve.normal, 0.5 * valve.diameter_mm + margin_mm};
   found.landmarks.lv_apex_mm = chambers.axis.apex_mm;
   found.long_axis = chambers.axis.direction;
-  check_anatomy(
-      {chambers.labels, valves, chambers.axis, found.volumes_ml, chambers.ventricle_certainty,
-       chambers.left_of_spine_mm, chambers.right.faint ? std::optional(chambers.right.faint->contrast) : std::nullopt},
-      found);
+  check_anatomy({chambers.labels, valves, chambers.axis, found.volumes_ml, chambers.ventricle_certainty,
+                 chambers.left_of_spine_mm,
+                 chambers.right.faint ? std::optional(chambers.right.faint->contrast) : std::nullopt, subject.slanted},
+                found);
   result.chambers = chambers.labels;
   return result;
 }
 
+/// A field of view that ends in the lungs may not hold the spine, and what was taken for it may be an atrium.
+SearchResult search_in(const Subject& subject) {
+  constexpr double surely_unlike = 0.25, surely_like = 0.15;
+  const Thorax& thorax = subject.thorax;
+  if (!thorax.back_is_cut) return search_in(subject, set_scene(subject, thorax.spine));
+  const Scene scene = set_scene(subject, spine_behind(subject.coarse.grid));
+  const double unlike = share_unlike_spine(thorax.spine, subject.coarse, thorax.lung, scene.contrast.blood_hu);
+  if (unlike > surely_unlike) return search_in(subject, scene);
+  Spine spine = thorax.spine;
+  spine.is_sure = unlike < surely_like;
+  return search_in(subject, set_scene(subject, spine));
+}
+
+Subject make_subject(const CtVolume& ct) {
+  segment::require_hounsfield(ct);
+  Subject subject;
+  subject.image = make_working_image(ct);
+  subject.coarse = thinned(subject.image.smooth, coarse_step);
+  subject.thorax = find_thorax(subject.coarse);
+  subject.bright_hu = bright_threshold(subject.coarse);
+  return subject;
+}
+
+/// By how much the header turns the image, as a sentence's begin.
+std::string slant_remark(double slant_deg) {
+  return fmt::format("the header turns the image by {:.0f} degrees against the body's axes", slant_deg);
+}
+
+constexpr const char* by_hand = "give the seeds lv_blood, la_blood, rv_blood, ra_blood and the valve planes by hand";
+
 }  // namespace
 
-// A slanted header may be true, and may be the mistake behind whatever does not look like a heart.
+// A slanted header or a small field of view may be true, and may be the mistake behind whatever does not look like a
+// heart.
 SearchResult search(const CtVolume& ct) {
   constexpr double least_slant_deg = 10;  // patients lie as crooked as that
   const double slant = slant_deg(ct.grid.direction);
-  if (slant < least_slant_deg) return search_in(ct);
-  const auto remark = fmt::format("the header turns the image by {:.0f} degrees against the body's axes", slant);
+  const bool slanted = slant >= least_slant_deg;
+  bool back_is_cut = false;
   try {
-    auto result = search_in(ct);
+    Subject subject = make_subject(ct);
+    subject.slanted = slanted;
+    back_is_cut = subject.thorax.back_is_cut;
+    auto result = search_in(subject);
     auto& warnings = result.found.warnings;
-    if (!warnings.empty()) warnings.insert(warnings.begin(), remark + ": is that true of the patient?");
+    if (slanted && !warnings.empty())
+      warnings.insert(warnings.begin(), slant_remark(slant) + ": is that true of the patient?");
     return result;
+  } catch (const NotAHeart& error) {
+    throw UserError(error.problem, error.where,
+                    fmt::format("{}, or {}",
+                                slanted       ? slant_remark(slant) + ": check that first"
+                                : back_is_cut ? "the field of view ends in the lungs, before the back: use a larger one"
+                                              : error.suspicion,
+                                by_hand));
   } catch (const UserError& error) {
-    throw UserError(error.problem, error.where, remark + ": check that first; else " + error.remedy);
+    if (!slanted) throw;
+    throw UserError(error.problem, error.where, slant_remark(slant) + ": check that first; else " + error.remedy);
   }
 }
 

@@ -18,13 +18,15 @@ struct FoundLandmarks {
   double confidence = 0;                     ///< 0 to 1: 1 = nothing contradicts the anatomy of an adult heart
   std::vector<std::string> warnings;         ///< one sentence for every contradiction
   std::map<std::string, double> volumes_ml;  ///< of the pools, by region name, within 110 mm of the heart's centre
+  double ventricles_cut_cm2 = 0;             ///< by the border of the field of view, as far as their blood tells
   Vec3 long_axis;                            ///< unit vector from the left ventricle's base to its apex
 };
 
-/// `ct` shows the whole heart; grids of any spacing, orientation and direction; padding that cuts lungs open is closed
-/// beforehand (segment/padding.hpp). The same bits for any number of threads. Throws UserError for grey values that are
-/// no Hounsfield units, and, saying which seeds to give by hand, where there is no contrast, no heart, no pool with a
-/// shell of muscle, or no left atrium and aorta next to it. Not collective: call it on the root.
+/// `ct` shows the whole heart and lungs beside it; the field of view may end before the spine. Grids of any spacing,
+/// orientation and direction; padding that cuts lungs open is closed beforehand (segment/padding.hpp). The same bits
+/// for any number of threads. Throws UserError for grey values that are no Hounsfield units, and, saying which seeds to
+/// give by hand, where there is no contrast, no heart, no pool with a shell of muscle, or no left atrium and aorta next
+/// to it. Not collective: call it on the root.
 FoundLandmarks find_landmarks(const CtVolume& ct);
 
 }  // namespace heart::landmarks

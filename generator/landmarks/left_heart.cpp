@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "generator/landmarks/contact.hpp"
+#include "generator/landmarks/search.hpp"
 #include "generator/landmarks/statistics.hpp"
-#include "model/error.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -34,10 +34,8 @@ std::vector<std::int32_t> candidates_by_score(const Pools& pools) {
     best_share = std::max(best_share, pool.muscle_share);
   }
   if (best_share < least_muscle_share)
-    throw UserError("no pool of bright blood with a wall of muscle is left of the spine", "landmarks",
-                    "check that the image is not mirrored and that there is contrast in the left ventricle, or give "
-                    "the seeds lv_blood, la_blood, rv_blood, "
-                    "ra_blood and the valve planes by hand");
+    throw NotAHeart("no pool of bright blood with a wall of muscle is left of the spine",
+                    "check that the image is not mirrored and that there is contrast in the left ventricle");
   std::stable_sort(candidates.begin(), candidates.end(), [&](std::int32_t a, std::int32_t b) {
     return ventricle_score(pools.at(a)) > ventricle_score(pools.at(b));
   });

@@ -125,17 +125,17 @@ std::vector<Station> first_long_walk(const Scenery& scenery, const ValvePatch& s
   return stations;
 }
 
-/// Where a step function fits the muscle shares best (least squares): the number of stations before the step, which
-/// must rise by at least 0.1; 0 where there is no such step.
-std::size_t muscle_begins(const std::vector<Station>& stations) {
+/// Where a step function fits the muscle shares from station `first` on best (least squares): the number of stations
+/// before the step, which must rise by at least 0.1; 0 where there is no such step.
+std::size_t muscle_begins_after(std::size_t first, const std::vector<Station>& stations) {
   constexpr std::size_t fewest = 3;
   constexpr double least_rise = 0.1;
   std::size_t best = 0;
   double best_gain = 0;
-  for (std::size_t cut = fewest; cut + fewest <= stations.size(); ++cut) {
+  for (std::size_t cut = first + fewest; cut + fewest <= stations.size(); ++cut) {
     double before = 0, after = 0;
-    for (std::size_t n = 0; n < stations.size(); ++n) (n < cut ? before : after) += stations[n].muscle;
-    const double n_before = static_cast<double>(cut), n_after = static_cast<double>(stations.size() - cut);
+    for (std::size_t n = first; n < stations.size(); ++n) (n < cut ? before : after) += stations[n].muscle;
+    const double n_before = static_cast<double>(cut - first), n_after = static_cast<double>(stations.size() - cut);
     const double rise = after / n_after - before / n_before;
     const double gain = rise * rise * n_before * n_after;  // how much the step lowers the sum of squares, times n
     if (rise < least_rise || gain <= best_gain) continue;
@@ -143,6 +143,14 @@ std::size_t muscle_begins(const std::vector<Station>& stations) {
     best = cut;
   }
   return best;
+}
+
+/// The same without the first stations where these hide the step: in the bifurcation, or where the field of view cuts
+/// the artery short and sections are slanted, neighbours look like muscle around it.
+std::size_t muscle_begins(const std::vector<Station>& stations) {
+  for (const std::size_t left_out : {0U, 2U, 4U, 6U})
+    if (const auto cut = muscle_begins_after(left_out, stations)) return cut;
+  return 0;
 }
 
 constexpr std::size_t window = 3;  // stations on either side of a rise

@@ -72,6 +72,34 @@ Region certain_chamber(const Frame& frame, const Vec3& p) {
   return Region::none;
 }
 
+/// Points that certainly belong to one chamber.
+std::vector<segment::Marker> certain_markers(const Volume<float>& depth, const Frame& frame) {
+  std::vector<segment::Marker> markers;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < depth.grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < depth.grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < depth.grid.size[0]; ++i, ++v) {
+        if (depth.voxels[v] <= deep_mm) continue;
+        const Region region = certain_chamber(frame, position_mm(depth.grid, i, j, k));
+        if (region != Region::none) markers.push_back({tag(region), {i, j, k}});
+      }
+  return markers;
+}
+
+/// A pulmonary artery that the field of view cuts near its valve, too near to be certain: what of the right heart's
+/// left half reaches the top of the image.
+void mark_cut_artery(const Volume<float>& depth, const Frame& frame, std::vector<segment::Marker>& markers) {
+  constexpr double least_towards_artery_mm = 2, most_towards_apex_mm = 12;
+  const std::int64_t k = depth.grid.size[2] - 1;
+  for (std::int64_t j = 0; j < depth.grid.size[1]; ++j)
+    for (std::int64_t i = 0; i < depth.grid.size[0]; ++i) {
+      const Vec3 p = position_mm(depth.grid, i, j, k);
+      if (depth(i, j, k) > deep_mm && frame.towards_artery(p) > least_towards_artery_mm &&
+          frame.towards_apex(p) < most_towards_apex_mm)
+        markers.push_back({tag(Region::pulmonary_artery), {i, j, k}});
+    }
+}
+
 /// The component with most voxels beside the neighbour; where none touches it, the largest.
 Mask piece_beside(const Mask& all, const Mask& neighbour) {
   const Mask beside = segment::dilate(neighbour, all.grid.spacing_mm.x);
@@ -93,15 +121,8 @@ bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const
   if (streaks) right = closed_right_heart(chambers, smooth);  // else it would bridge the groove beside the valve
   const auto depth = depth_of(right);
   const Frame frame = make_frame(chambers, axis);
-  std::vector<segment::Marker> markers;
-  std::size_t v = 0;
-  for (std::int64_t k = 0; k < right.grid.size[2]; ++k)
-    for (std::int64_t j = 0; j < right.grid.size[1]; ++j)
-      for (std::int64_t i = 0; i < right.grid.size[0]; ++i, ++v) {
-        if (depth.voxels[v] <= deep_mm) continue;
-        const Region region = certain_chamber(frame, position_mm(right.grid, i, j, k));
-        if (region != Region::none) markers.push_back({tag(region), {i, j, k}});
-      }
+  auto markers = certain_markers(depth, frame);
+  mark_cut_artery(depth, frame, markers);
   const auto parts = segment::flood_from_markers(right, depth, markers, segment::ValveBarrier(right.grid));
   for (std::size_t n = 0; n < right.voxels.size(); ++n)
     if (right.voxels[n]) chambers.voxels[n] = parts.voxels[n];

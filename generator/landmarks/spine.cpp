@@ -151,7 +151,7 @@ std::vector<std::int64_t> best_path(const Volume<float>& score) {
 
 Spine find_spine(const Volume<float>& image, const Mask& lung) {
   const Grid& grid = image.grid;
-  Spine spine{grid.origin_mm.z, grid.spacing_mm.z, {}, {}};
+  Spine spine{grid.origin_mm.z, grid.spacing_mm.z, {}, {}, true};
   for (const auto pixel : best_path(vertebra_score(image, lung))) {
     const Vec3 p = position_mm(grid, pixel % grid.size[0], pixel / grid.size[0], 0);
     spine.x_mm.push_back(p.x);
@@ -161,6 +161,35 @@ Spine find_spine(const Volume<float>& image, const Mask& lung) {
   spine.x_mm = gaussian_filtered(spine.x_mm, sigma);
   spine.y_mm = gaussian_filtered(spine.y_mm, sigma);
   return spine;
+}
+
+double share_unlike_spine(const Spine& spine, const Volume<float>& image, const Mask& lung, double blood_hu) {
+  constexpr double radius_mm = 10;  // within a vertebral body
+  constexpr double darkest_hu = 60, blood_share = 0.75;
+  const auto [nx, ny, nz] = image.grid.size;
+  std::int64_t slices = 0, unlike = 0;
+  for (std::int64_t k = 0; k < nz; ++k) {
+    const auto first = lung.voxels.begin() + k * nx * ny;
+    if (std::find(first, first + nx * ny, 1) == first + nx * ny) continue;
+    double sum = 0, pixels = 0;
+    for (std::int64_t j = 0; j < ny; ++j)
+      for (std::int64_t i = 0; i < nx; ++i) {
+        const Vec3 p = position_mm(image.grid, i, j, k), vertebra = spine.at(p.z);
+        if (std::hypot(p.x - vertebra.x, p.y - vertebra.y) >= radius_mm) continue;
+        sum += static_cast<double>(image(i, j, k));
+        pixels += 1;
+      }
+    ++slices;
+    unlike += sum < darkest_hu * pixels || sum > blood_share * blood_hu * pixels;
+  }
+  return slices > 0 ? static_cast<double>(unlike) / static_cast<double>(slices) : 1;
+}
+
+Spine spine_behind(const Grid& grid) {
+  constexpr double right_of_heart_mm = 10, behind_mm = 15;
+  const auto [nx, ny, nz] = grid.size;
+  const Vec3 middle = position_mm(grid, nx / 2, ny - 1, 0);
+  return {grid.origin_mm.z, grid.spacing_mm.z, {middle.x - right_of_heart_mm}, {middle.y + behind_mm}, false};
 }
 
 Vec3 Spine::at(double z_mm) const {

@@ -7,6 +7,7 @@
 #include "generator/landmarks/convex_slices.hpp"
 #include "generator/landmarks/slices.hpp"
 #include "generator/landmarks/spine.hpp"
+#include "generator/landmarks/statistics.hpp"
 #include "generator/segment/components.hpp"
 #include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
@@ -21,7 +22,17 @@ constexpr double opening_mm = 3;           // parts bronchi and the gap under th
 constexpr double chest_slice_mm2 = 2500;   // slices with less lung are below or above the heart
 constexpr double chest_margin_mm = 16;     // the heart's front lies outside the hull of the lungs
 
-/// Lung sections of one slice: large, not open to the front of the image, not as empty as the air outside.
+/// Median grey value of the component's pixels among the slice's first `count`; 0 for none.
+double median_of(const Volume<float>& image, std::size_t slice, const segment::Components& pieces, std::int32_t label,
+                 std::size_t count) {
+  std::vector<float> hu;
+  for (std::size_t p = 0; p < count; ++p)
+    if (pieces.label.voxels[p] == label) hu.push_back(image.voxels[slice + p]);
+  return median(hu);
+}
+
+/// Lung sections of one slice: large, not as empty as the air outside, and not open to it at the front of the image, as
+/// what lies on the patient is.
 void mark_lung_slice(const Volume<float>& image, std::int64_t k, Mask& lung) {
   const auto pieces = slice_components(image, k, [](float hu) { return hu < lung_limit_hu; });
   const double pixel_mm2 = image.grid.spacing_mm.x * image.grid.spacing_mm.y;
@@ -31,12 +42,10 @@ void mark_lung_slice(const Volume<float>& image, std::int64_t k, Mask& lung) {
     if (static_cast<double>(pieces.voxel_count[static_cast<std::size_t>(label)]) * pixel_mm2 < smallest_lung_mm2)
       continue;
     const auto& labels = pieces.label.voxels;
-    if (std::find(labels.begin(), labels.begin() + nx, label) != labels.begin() + nx) continue;
-    std::vector<float> hu;
-    for (std::size_t p = 0; p < labels.size(); ++p)
-      if (labels[p] == label) hu.push_back(image.voxels[slice + p]);
-    std::nth_element(hu.begin(), hu.begin() + static_cast<std::ptrdiff_t>(hu.size() / 2), hu.end());
-    if (hu[hu.size() / 2] <= emptiest_lung_hu) continue;
+    const auto row = static_cast<std::size_t>(nx);
+    const bool at_front = std::find(labels.begin(), labels.begin() + nx, label) != labels.begin() + nx;
+    if (at_front && median_of(image, slice, pieces, label, row) <= emptiest_lung_hu) continue;
+    if (median_of(image, slice, pieces, label, labels.size()) <= emptiest_lung_hu) continue;
     for (std::size_t p = 0; p < labels.size(); ++p)
       if (labels[p] == label) lung.voxels[slice + p] = 1;
   }
@@ -46,6 +55,20 @@ void mark_lung_slice(const Volume<float>& image, std::int64_t k, Mask& lung) {
 Mask two_largest(const Mask& mask) {
   const Mask first = segment::largest_component(mask);
   return segment::unite(first, segment::largest_component(segment::subtract(mask, first)));
+}
+
+/// Whether most slices that show lungs show them cut off at the back.
+bool ends_in_lung(const Mask& lung) {
+  const auto [nx, ny, nz] = lung.grid.size;
+  const double pixel_mm2 = lung.grid.spacing_mm.x * lung.grid.spacing_mm.y;
+  std::int64_t slices = 0, cut = 0;
+  for (std::int64_t k = 0; k < nz; ++k) {
+    const auto first = lung.voxels.begin() + k * nx * ny, last = first + nx * ny;
+    if (static_cast<double>(std::count(first, last, 1)) * pixel_mm2 < chest_slice_mm2) continue;
+    ++slices;
+    cut += std::find(last - nx, last, 1) != last;
+  }
+  return 2 * cut > slices;
 }
 
 }  // namespace
@@ -61,6 +84,7 @@ Thorax find_thorax(const Volume<float>& image) {
                     "give the seeds lv_blood, rv_blood, la_blood, ra_blood and the valve planes by hand");
   thorax.chest = segment::dilate(hull, chest_margin_mm);
   thorax.spine = find_spine(image, thorax.lung);
+  thorax.back_is_cut = ends_in_lung(thorax.lung);
   return thorax;
 }
 

@@ -23,11 +23,20 @@
 namespace heart::lattice {
 namespace {
 
-// Distance of a face's centre from its surface, in its mean edges.
-double error_of(const Complex& c, const Materials& materials, const SurfaceFace& face) {
+// Of nodes on surfaces and curves, to the farthest of those surfaces; 0 of others.
+double distance_of_node(const Complex& c, const Materials& materials, std::int32_t node) {
+  return is_constrained(c.bits(node)) ? distance_to(feature_at(materials, c.bits(node), c.at(node))) : 0;
+}
+
+// Distance of a face's centre or, if that is greater, of its nodes from their surfaces, in its mean edges.
+template <class DistanceOfNode>
+double error_of(const Complex& c, const Materials& materials, const SurfaceFace& face,
+                const DistanceOfNode& distance_of) {
   const Vec3 a = c.at(face.nodes[0]), b = c.at(face.nodes[1]), d = c.at(face.nodes[2]);
   const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-  return distance_to(feature_at(materials, face.labels, (a + b + d) / 3)) / edge;
+  double farthest = distance_to(feature_at(materials, face.labels, (a + b + d) / 3));
+  for (const auto n : face.nodes) farthest = std::max(farthest, distance_of(n));
+  return farthest / edge;
 }
 
 Face sorted(Face face) {
@@ -38,10 +47,15 @@ Face sorted(Face face) {
 // The worst first.
 std::vector<Face> misfits(const Complex& c, const Materials& materials, const FitSettings& settings,
                           const std::vector<SurfaceFace>& faces) {
-  std::vector<double> error(faces.size());
+  std::vector<double> error(faces.size()), off(c.nodes_mm.size(), 0);
+  parallel::parallel_for(0, static_cast<std::int64_t>(off.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = begin; n < end; ++n)
+      if (!c.star(static_cast<std::int32_t>(n)).empty())
+        off[static_cast<std::size_t>(n)] = distance_of_node(c, materials, static_cast<std::int32_t>(n));
+  });
   parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
-      error[f] = error_of(c, materials, faces[f]);
+      error[f] = error_of(c, materials, faces[f], [&](std::int32_t n) { return off[static_cast<std::size_t>(n)]; });
   });
   std::vector<std::pair<double, Face>> found;
   for (std::size_t f = 0; f < faces.size(); ++f)
@@ -68,7 +82,8 @@ Fitness fitness_of(const Complex& part, const Materials& materials, const FitSet
     const bool is_still = std::all_of(face.nodes.begin(), face.nodes.end(), [&](auto n) { return part.is_frozen(n); });
     const bool is_cut = is_still && (face.labels & bit_of(0)) != 0;
     if (is_cut || (face.labels & settings.labels) == 0) continue;
-    const double error = error_of(part, materials, face);
+    const double error =
+        error_of(part, materials, face, [&](std::int32_t n) { return distance_of_node(part, materials, n); });
     if (error > found.error) {
       found.worst = face.nodes;
       found.error = error;
@@ -82,7 +97,7 @@ Fitness fitness_of(const Complex& part, const Materials& materials, const FitSet
 // Back onto surfaces and curves, as far as cells allow.
 void draw_to_surfaces(Complex& part, const Materials& materials, double least_quality) {
   constexpr int newton_steps = 3;
-  constexpr double most_shift = 0.3;  // of the lattice's width
+  constexpr double most_shift = 0.7;  // of the lattice's width
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(part.nodes_mm.size()); ++n) {
     if (part.is_frozen(n) || !is_constrained(part.bits(n)) || part.star(n).empty()) continue;
     const Vec3 way = project(materials, part.bits(n), part.at(n), newton_steps) - part.at(n);

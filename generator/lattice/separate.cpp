@@ -217,11 +217,13 @@ std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std
 }
 
 std::int64_t separate_sheets(Complex& complex, double least_quality) {
-  constexpr int most_rounds = 8;
+  constexpr int most_rounds = 8, late_rounds = 8;
+  constexpr double late_quality = 0.4885;  // angles in [29, 145] degrees: worse cells are better than an overlap
   const auto faces = outer_faces(complex);
   auto pairs = meeting_faces(complex.nodes_mm, faces);
-  for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
-    for (const auto& [node, way] : ways_out(complex, faces, pairs)) draw_back(complex, node, way, least_quality);
+  for (int round = 0; round < most_rounds + late_rounds && !pairs.empty(); ++round) {
+    const double least = round < most_rounds ? least_quality : std::min(least_quality, late_quality);
+    for (const auto& [node, way] : ways_out(complex, faces, pairs)) draw_back(complex, node, way, least);
     pairs = meeting_faces(complex.nodes_mm, faces);
   }
   return static_cast<std::int64_t>(pairs.size());

@@ -9,6 +9,7 @@
 #include "generator/mesh/quality.hpp"
 #include "generator/mesh/size_field.hpp"
 #include "generator/mesh/surfaces.hpp"
+#include "model/labels.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -238,6 +239,20 @@ std::int64_t flatten_border(const Grid& grid, std::vector<Vec3>& nodes_mm, const
     ++left;
   }
   return left;
+}
+
+void label_border_faces(TetMesh& mesh, const Grid& grid) {
+  constexpr double near_voxels = 1e-4;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double last = static_cast<double>(grid.size[static_cast<std::size_t>(axis)]) - 0.5;
+      std::array<double, 3> at;
+      for (std::size_t i = 0; i < 3; ++i)
+        at[i] = index_from_lps(grid, mesh.nodes_mm[static_cast<std::size_t>(mesh.faces[f][i])])[axis];
+      for (const double plane : {-0.5, last})
+        if (std::all_of(at.begin(), at.end(), [&](double v) { return std::abs(v - plane) < near_voxels; }))
+          mesh.surface[f] = *surface_from_name("fov_cut");
+    }
 }
 
 }  // namespace heart::mesh

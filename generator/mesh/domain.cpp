@@ -240,4 +240,18 @@ std::uint8_t region_at(const MeshDomain& domain, const Vec3& index) {
   });
 }
 
+HeartShares heart_shares(const MeshDomain& domain, const Vec3& index) {
+  const auto [cube, fraction] = place_of(domain.grid, index);
+  const auto sum = [&, &cube = cube, &fraction = fraction](const auto& regions) {
+    float total = 0;
+    for (const Region r : regions)
+      if (const auto field = domain.share_of[tag(r)]; field >= 0)
+        total += trilinear(domain.shares[static_cast<std::size_t>(field)], cube, fraction);
+    return total;
+  };
+  HeartShares shares{sum(left_blood), sum(right_blood), 0};
+  shares.heart = shares.left_blood + shares.right_blood + sum(walls);
+  return shares;
+}
+
 }  // namespace heart::mesh

@@ -66,6 +66,12 @@ struct SurfaceEquation {
   Vec3 gradient;
 };
 
+/// What the walls lie between: they are where the heart has more than a half, and the blood of neither side has.
+struct HeartShares {
+  float left_blood = 0, right_blood = 0, heart = 0;
+};
+HeartShares heart_shares(const MeshDomain& domain, const Vec3& index);
+
 /// The equations, at a continuous index, of the place where all regions of `labels` (bit L: label L) meet: one less
 /// than there are labels, by the same rules as region_at. Returns how many were written.
 int equations_at(const MeshDomain& domain, std::uint32_t labels, const Vec3& index,

@@ -33,8 +33,6 @@ constexpr double seed_distance = 0.4;     // distance between first points, in l
 
 constexpr std::array<std::string_view, 4> backends{"lattice", "distmesh", "cgal", "tetgen"};
 
-constexpr std::array orifices{"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"};
-
 struct DomainFunction {
   const MeshDomain* domain;
   double layer_mm;
@@ -103,23 +101,8 @@ adapters::LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<fl
   return cells;
 }
 
-// Outer faces that lie in a plane of the border, but met no cell of the layer there.
-void label_border_faces(TetMesh& mesh, const Grid& grid) {
-  constexpr double near_voxels = 1e-4;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
-    for (int axis = 0; axis < 3; ++axis) {
-      const double last = static_cast<double>(grid.size[static_cast<std::size_t>(axis)]) - 0.5;
-      std::array<double, 3> at;
-      for (std::size_t i = 0; i < 3; ++i)
-        at[i] = index_from_lps(grid, mesh.nodes_mm[static_cast<std::size_t>(mesh.faces[f][i])])[axis];
-      for (const double plane : {-0.5, last})
-        if (std::all_of(at.begin(), at.end(), [&](double v) { return std::abs(v - plane) < near_voxels; }))
-          mesh.surface[f] = *surface_from_name("fov_cut");
-    }
-}
-
 void add_orifice_rims(TetMesh& mesh) {
-  for (const auto* name : orifices) {
+  for (const auto* name : {"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"}) {
     auto rim = rim_of(mesh, *surface_from_name(name));
     if (!rim.nodes.empty()) mesh.rims.push_back(std::move(rim));
   }

@@ -6,10 +6,12 @@
 
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/distance.hpp"
-#include "generator/segment/morphology.hpp"
+#include "generator/segment/fast_sweeping.hpp"
 
 namespace heart::mesh {
 namespace {
+
+constexpr float band_mm = 6;  // nobody asks for greater distances
 
 // The grid of the domain with each voxel divided into parts of about `voxel_mm`.
 Grid finer_grid(const Grid& grid, double voxel_mm) {
@@ -25,9 +27,10 @@ Grid finer_grid(const Grid& grid, double voxel_mm) {
   return finer;
 }
 
-Mask mask_of(const MeshDomain& domain, bool (*belongs)(Region), double voxel_mm) {
-  Mask mask(finer_grid(domain.grid, voxel_mm));
-  const Grid& grid = mask.grid;
+/// Distances to the surfaces of the heart and of the blood of either side, each smooth by itself.
+std::array<LevelSet, 3> heart_surfaces(const MeshDomain& domain, double voxel_mm) {
+  const Grid grid = finer_grid(domain.grid, voxel_mm);
+  std::array<LevelSet, 3> surfaces{LevelSet(grid), LevelSet(grid), LevelSet(grid)};
   const Vec3 origin = index_from_lps(domain.grid, grid.origin_mm);
   const Vec3 step{grid.spacing_mm.x / domain.grid.spacing_mm.x, grid.spacing_mm.y / domain.grid.spacing_mm.y,
                   grid.spacing_mm.z / domain.grid.spacing_mm.z};
@@ -35,113 +38,57 @@ Mask mask_of(const MeshDomain& domain, bool (*belongs)(Region), double voxel_mm)
     for (auto k = begin; k < end; ++k)
       for (std::int64_t j = 0; j < grid.size[1]; ++j)
         for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-          const Vec3 index = origin + Vec3{static_cast<double>(i) * step.x, static_cast<double>(j) * step.y,
-                                           static_cast<double>(k) * step.z};
-          mask(i, j, k) = belongs(static_cast<Region>(region_at(domain, index)));
+          const Vec3 steps{static_cast<double>(i) * step.x, static_cast<double>(j) * step.y,
+                           static_cast<double>(k) * step.z};
+          const auto shares = heart_shares(domain, origin + steps);
+          surfaces[0](i, j, k) = 0.5F - shares.heart;
+          surfaces[1](i, j, k) = shares.left_blood - 0.5F;
+          surfaces[2](i, j, k) = shares.right_blood - 0.5F;
         }
   });
-  return mask;
+  for (auto& surface : surfaces) surface = segment::fast_sweeping(surface, band_mm);
+  return surfaces;
 }
 
-/// The cube of a volume in which a position lies, beyond the border the one on it, and the place in the cube.
-struct Cube {
-  const float* first;
-  std::array<std::int64_t, 3> step;
-  Vec3 fraction;
-};
-
-Cube cube_at(const LevelSet& volume, const Vec3& position) {
-  const auto& size = volume.grid.size;
-  std::array<std::int64_t, 3> base;
-  Cube cube{nullptr, {1, size[0], size[0] * size[1]}, {}};
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    const double index = position[axis] / volume.grid.spacing_mm[axis];
-    const double inside = std::clamp(index, 0.0, static_cast<double>(size[a] - 1));
-    base[a] = std::min(static_cast<std::int64_t>(inside), std::max<std::int64_t>(size[a] - 2, 0));
-    if (size[a] < 2) cube.step[a] = 0;
-    cube.fraction[axis] = inside - static_cast<double>(base[a]);
+/// Takes away what a ball cannot reach from inside (`side` 1: opening) or fills what it cannot reach from outside (-1:
+/// closing). Elsewhere not a bit changes: distances from voxel centres only tell where the ball cannot go.
+void roll(LevelSet& distance, float radius_mm, float side) {
+  const auto& spacing = distance.grid.spacing_mm;
+  const auto half_voxel = static_cast<float>(0.5 * std::cbrt(spacing.x * spacing.y * spacing.z));
+  Mask core(distance.grid);
+  for (std::size_t v = 0; v < core.voxels.size(); ++v)
+    core.voxels[v] = side * distance.voxels[v] <= half_voxel - radius_mm;
+  const auto from_core = segment::distance_to(core);
+  for (std::size_t v = 0; v < core.voxels.size(); ++v) {
+    const float reached = std::min(from_core.voxels[v] - radius_mm - half_voxel, band_mm);
+    distance.voxels[v] = side * std::max(side * distance.voxels[v], reached);
   }
-  cube.first = &volume(base[0], base[1], base[2]);
-  return cube;
-}
-
-/// A row of a cube: the value at the place in it, and the rise along it.
-struct Row {
-  double value = 0, rise = 0;
-};
-
-Row row_of(const Cube& cube, std::size_t row) {
-  const float* q = cube.first + static_cast<std::int64_t>(row & 1U) * cube.step[1] +
-                   static_cast<std::int64_t>(row >> 1U) * cube.step[2];
-  const double rise = static_cast<double>(q[cube.step[0]]) - static_cast<double>(q[0]);
-  return {static_cast<double>(q[0]) + cube.fraction.x * rise, rise};
-}
-
-/// A trilinear value and its gradient (per mm along the axes).
-struct Sample {
-  double value = 0;
-  Vec3 gradient;
-};
-
-Sample sample(const LevelSet& volume, const Vec3& position) {
-  const auto cube = cube_at(volume, position);
-  const Vec3& f = cube.fraction;
-  const std::array rows{row_of(cube, 0), row_of(cube, 1), row_of(cube, 2), row_of(cube, 3)};
-  const double over_low = rows[1].value - rows[0].value, over_high = rows[3].value - rows[2].value;
-  const double low = rows[0].value + f.y * over_low, high = rows[2].value + f.y * over_high;
-  const double rise_low = rows[0].rise + f.y * (rows[1].rise - rows[0].rise);
-  const double rise_high = rows[2].rise + f.y * (rows[3].rise - rows[2].rise);
-  const auto& spacing = volume.grid.spacing_mm;
-  return {low + f.z * (high - low),
-          {(rise_low + f.z * (rise_high - rise_low)) / spacing.x, (over_low + f.z * (over_high - over_low)) / spacing.y,
-           (high - low) / spacing.z}};
-}
-
-// The same value; most of the time nobody asks for more.
-double value_at(const LevelSet& volume, const Vec3& position) {
-  const auto cube = cube_at(volume, position);
-  const auto across = [&](std::size_t row) {
-    const double value = row_of(cube, row).value;
-    return value + cube.fraction.y * (row_of(cube, row + 1).value - value);
-  };
-  const double low = across(0);
-  return low + cube.fraction.z * (across(2) - low);
 }
 
 }  // namespace
 
-LevelSet solid_level_set(const MeshDomain& domain, bool (*belongs)(Region), double voxel_mm, double smoothing_mm,
-                         double thinnest_mm) {
+LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, double thinnest_mm) {
+  constexpr double blur_mm = 0.4;
+  const auto radius = static_cast<float>(thinnest_mm / 2);
+  const auto surfaces = heart_surfaces(domain, voxel_mm);
+  LevelSet level_set(surfaces[0].grid);
+  for (std::size_t v = 0; v < level_set.voxels.size(); ++v)
+    level_set.voxels[v] = std::max({surfaces[0].voxels[v], surfaces[1].voxels[v], surfaces[2].voxels[v]});
+  roll(level_set, radius, -1);
+  roll(level_set, radius, 1);
+  const auto& spacing = level_set.grid.spacing_mm;
+  smooth(level_set, gaussian_kernels({blur_mm / spacing.x, blur_mm / spacing.y, blur_mm / spacing.z}));
+  return level_set;
+}
+
+LevelSet smooth_distance(const Mask& mask, double smoothing_mm) {
   constexpr double least_smoothing_voxels = 1.3;  // less follows the stairs
-  const auto mask = mask_of(domain, belongs, voxel_mm);
-  auto level_set = segment::signed_distance(segment::open(segment::close(mask, thinnest_mm / 2), thinnest_mm / 2));
+  auto level_set = segment::signed_distance(mask);
   Vec3 sigma;
   for (int axis = 0; axis < 3; ++axis)
     sigma[axis] = std::max(smoothing_mm / level_set.grid.spacing_mm[axis], least_smoothing_voxels);
   smooth(level_set, sharp_kernels(sigma));
   return level_set;
-}
-
-lattice::Materials materials_of(const LevelSet& solid, double edge_mm, double growth) {
-  const Grid& grid = solid.grid;
-  lattice::Materials materials;
-  for (int axis = 0; axis < 3; ++axis) {
-    materials.box_min_mm[axis] = -0.5 * grid.spacing_mm[axis];
-    materials.box_max_mm[axis] =
-        (static_cast<double>(grid.size[static_cast<std::size_t>(axis)]) - 0.5) * grid.spacing_mm[axis];
-  }
-  materials.finest_edge_mm = edge_mm;
-  materials.label_at = [&solid](const Vec3& p) { return value_at(solid, p) < 0 ? 1 : 0; };
-  materials.edge_mm = [&solid, edge_mm, growth](const Vec3& p) {
-    return edge_mm + growth * std::max(0.0, std::abs(value_at(solid, p)) - edge_mm);
-  };
-  materials.equations_at = [&solid](lattice::LabelBits, const Vec3& p, std::span<lattice::Equation> equations) {
-    const auto found = sample(solid, p);
-    equations[0] = {found.value, found.gradient};
-    return 1;
-  };
-  return materials;
 }
 
 }  // namespace heart::mesh

@@ -1,20 +1,15 @@
-// Several regions of a label map as one solid: a level set, and the materials that the lattice mesher takes.
+// The walls of the heart as one solid.
 #pragma once
-#include "generator/lattice/materials.hpp"
 #include "generator/mesh/domain.hpp"
 
 namespace heart::mesh {
 
-/// Signed distance (mm, negative inside) of the union of the regions that `belongs` accepts, on voxels of about
-/// `voxel_mm`, smoothed by `smoothing_mm`. Gaps narrower than `thinnest_mm` are closed, and fins thinner than it go.
-/// Distances may be smoothed more than shares: a wall of two voxels keeps both its surfaces, and only its rims become
-/// round. `voxel_mm` is positive, `smoothing_mm` at least 0; what is less than the stairs of the voxels is raised.
-LevelSet solid_level_set(const MeshDomain& domain, bool (*belongs)(Region), double voxel_mm, double smoothing_mm,
-                         double thinnest_mm);
+/// Signed distance (mm, negative inside, up to 6 mm) of all walls of the heart together, on voxels of about `voxel_mm`:
+/// zero where the domain's walls end. But gaps narrower than `thinnest_mm` are closed, fins thinner than it go, and
+/// rims become round: a ball of that diameter rolls along the outside and then along the inside.
+LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, double thinnest_mm);
 
-/// Label 1 where the level set is negative, in mm along the axes of its grid, voxel (0, 0, 0) at the origin. Edges are
-/// `edge_mm` long up to so far from the surface, and then grow by `growth` per mm. The level set must outlive the
-/// result.
-lattice::Materials materials_of(const LevelSet& solid, double edge_mm, double growth);
+/// Signed distance (mm, negative inside) to a mask, smoothed by `smoothing_mm`, at least by 1.3 voxels.
+LevelSet smooth_distance(const Mask& mask, double smoothing_mm);
 
 }  // namespace heart::mesh

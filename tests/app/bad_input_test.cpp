@@ -192,6 +192,7 @@ TEST_F(BadInput, OutputThatCannotBeIsRefusedFirst) {
   EXPECT_TRUE(fs::exists(folder / "photos" / "cat.jpg"));
   expect_message("landmarks ct.nii.gz --output file/out.json", {"file/out.json", "cannot be written"});
   expect_message("filter heat ct.nii.gz file/out.nrrd", {"file/out.nrrd", "cannot be written"});
+  expect_message("study --output file/out", {"file/out", "cannot be written"});
   expect_message("mesh ct.nii.gz photos/cat.jpg", {"photos/cat.jpg", ".vtu"});
   expect_message("inpaint photos file/out --labels ct.nii.gz", {"file/out", "cannot be written"});
 }
@@ -209,6 +210,19 @@ TEST_F(BadInput, NeitherAFullDiskNorAKillTakesAnOlderFileAway) {
     EXPECT_NE(full.errors.find(name + ": cannot be written"), std::string::npos) << full.errors;
     EXPECT_EQ(testing::text_of(folder / name), "old");
     EXPECT_FALSE(fs::exists(folder / (".partial." + name)));
+  }
+}
+
+TEST_F(BadInput, AFileBeyondTheSystemsLimitIsTold) {
+  const auto full = testing::heartgen("filter heat ct.nii.gz large.nii", folder.string(), "ulimit -c 0; ulimit -f 1;");
+  EXPECT_EQ(full.exit_code, 2);
+  EXPECT_NE(full.errors.find("large.nii: cannot be written"), std::string::npos) << full.errors;
+}
+
+TEST_F(BadInput, DatesThatAreNone) {
+  for (const char* date : {"tomorrow", "2026-13-01", "2026-02-30", "2026-1-001", "12026-01-01"}) {
+    std::ofstream(folder / "recipe.toml") << "date_published = \"" << date << "\"\n[input]\nct = \"ct.nii.gz\"\n";
+    expect_message("build --quiet recipe.toml --output out", {date, "date_published", "YYYY-MM-DD"});
   }
 }
 

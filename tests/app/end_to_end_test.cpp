@@ -11,6 +11,7 @@
 #include <set>
 
 #include "generator/adapters/itk_io.hpp"
+#include "model/crop.hpp"
 #include "model/labels.hpp"
 #include "support/data.hpp"
 #include "support/program.hpp"
@@ -343,6 +344,19 @@ TEST_F(StagesByHand, WhatCanHardlyBeAHeartIsRefused) {
   const auto refused = testing::heartgen("build turned.toml --ct turned.nrrd --output none --no-cache", folder());
   EXPECT_EQ(refused.exit_code, 2) << refused.errors;
   EXPECT_NE(refused.errors.find("can hardly be a heart"), std::string::npos) << refused.errors;
+}
+
+TEST_F(StagesByHand, AHeartThatTheFieldOfViewCutsIsRefusedBeforeTheImageStages) {
+  auto ct = adapters::read_ct(folder() + "/phantom/ct.nii.gz");
+  const auto truth = labels("phantom/truth/labels.nii.gz");
+  auto box = bounding_box(truth, 0, [](std::uint8_t label) { return label == tag(Region::rv_blood); });
+  box = {{0, box.begin[1] + 8, 0}, ct.grid.size};
+  adapters::write_volume(folder() + "/cut.nrrd", crop(ct, box));
+  std::ofstream(folder() + "/cut.toml") << quick;
+  const auto refused = testing::heartgen("build cut.toml --ct cut.nrrd --output none --no-cache", folder());
+  EXPECT_EQ(refused.exit_code, 2) << refused.errors;
+  EXPECT_NE(refused.errors.find("cuts the ventricles"), std::string::npos) << refused.errors;
+  EXPECT_EQ(refused.errors.find("] denoise"), std::string::npos) << refused.errors;
 }
 
 TEST_F(StagesByHand, AFurtherResolutionHasTheRegionsSurfacesAndFibresOfTheMainMesh) {

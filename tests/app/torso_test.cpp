@@ -150,6 +150,51 @@ TEST_F(AnotherTorso, InTheTorsosFrameEverythingIsMoved) {
   EXPECT_LT(static_cast<double>(off), 0.02 * static_cast<double>(count));
 }
 
+/// A CT of which a box was measured, whose border cuts the lungs.
+constexpr std::int64_t padding_voxels = 13;
+CtVolume padded(CtVolume ct) {
+  const auto nx = ct.grid.size[0], ny = ct.grid.size[1];
+  for (std::size_t v = 0; v < ct.voxels.size(); ++v) {
+    const auto i = static_cast<std::int64_t>(v) % nx, j = static_cast<std::int64_t>(v) / nx % ny;
+    if (std::min(i, nx - 1 - i) < padding_voxels || std::min(j, ny - 1 - j) < padding_voxels) ct.voxels[v] = -2000;
+  }
+  return ct;
+}
+
+/// Its cut lungs are no air around a body, and the body's surface is not skin where the padding begins.
+TEST_F(AnotherTorso, TheOtherPatientsCtMayBePadded) {
+  const auto ct = adapters::read_ct((folder() / "other/ct.nii.gz").string());
+  adapters::write_volume((folder() / "padded.nrrd").string(), padded(ct));
+  std::ofstream(folder() / "padded.toml")
+      << "[input]\nlabels = \"patient/truth/labels.nii.gz\"\n"
+      << "[torso]\nct = \"padded.nrrd\"\nframe = \"torso\"\n[mesh]\nmeshes = [\"myocardium\", "
+      << "\"torso\"]\nheart_edge_mm = 4\nblood_edge_mm = 8\ntorso_edge_mm = 24\n"
+      << "[fibers]\ngrid_mm = 3\ndepth_grid_mm = 3\ndemons_iterations = [5, 3, 1]\n";
+  const auto run = testing::heartgen("build padded.toml --output padded --quiet --no-cache", folder().string());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_NE(testing::text_of((folder() / "padded/validation/report.html").string()).find("CT: The CT holds -2000 HU"),
+            std::string::npos);
+  const auto manifest = exporters::read_manifest(folder() / "padded");
+  EXPECT_GT(manifest.meshes.at("torso").regions.at("lung"), 100);
+
+  const auto torso = exporters::read_mesh(folder() / "padded", "torso");
+  const auto skin = *surface_from_name("skin"), cut = *surface_from_name("fov_cut");
+  std::size_t beside = 0, cuts = 0;
+  for (std::size_t f = 0; f < torso.faces.size(); ++f) {
+    if (torso.surface[f] != skin && torso.surface[f] != cut) continue;
+    const auto at = [&](std::size_t i) { return torso.nodes_mm[static_cast<std::size_t>(torso.faces[f][i])]; };
+    const Vec3 index = index_from_lps(ct.grid, (at(0) + at(1) + at(2)) / 3);
+    const double nx = static_cast<double>(ct.grid.size[0]), ny = static_cast<double>(ct.grid.size[1]);
+    const double from_side = std::min(index.x, nx - 1 - index.x) - padding_voxels;
+    const double from_front = std::min(index.y, ny - 1 - index.y) - padding_voxels;
+    if (from_side > 1 || from_front < 8) continue;  // the two sides, away from where they meet front and back
+    ++beside;
+    cuts += torso.surface[f] == cut;
+  }
+  EXPECT_GT(beside, 50U);
+  EXPECT_GT(static_cast<double>(cuts), 0.9 * static_cast<double>(beside));
+}
+
 TEST_F(AnotherTorso, APoseOutsideTheBodyIsRefused) {
   std::ofstream(folder() / "away.toml")
       << "[input]\nlabels = \"patient/truth/labels.nii.gz\"\n[torso]\nlabels = \"other/truth/labels.nii.gz\"\n"

@@ -96,6 +96,25 @@ TEST(DistanceMap, EqualsTheSlowMinimum) {
       }
 }
 
+TEST(DistanceMap, IsExactWhetherTheMaskIsNearOrFar) {
+  // Lines of which all, some and none lie near the mask; distances of up to 60 voxels.
+  Mask mask(cube(47, 1));
+  for (std::int64_t k = 0; k < 47; ++k)
+    for (std::int64_t j = 0; j < 47; ++j)
+      for (std::int64_t i = 0; i < 47; ++i)
+        mask(i, j, k) = (i * i + 2 * j * j + k * k < 500 || (i > 40 && j > 40)) && (i + j * k) % 7 != 0;
+  const auto distance = atlas::distance_to(mask);
+  std::vector<Vec3> inside;
+  for (std::int64_t v = 0; v < mask.grid.voxel_count(); ++v)
+    if (mask.voxels[static_cast<std::size_t>(v)]) inside.push_back(at(mask.grid, v % 47, v / 47 % 47, v / (47 * 47)));
+  for (std::int64_t v = 0; v < mask.grid.voxel_count(); v += 53) {
+    const Vec3 p = at(mask.grid, v % 47, v / 47 % 47, v / (47 * 47));
+    double least = 1e9;
+    for (const Vec3& q : inside) least = std::min(least, dot(p - q, p - q));
+    ASSERT_EQ(distance.voxels[static_cast<std::size_t>(v)], std::sqrt(static_cast<float>(least))) << v;
+  }
+}
+
 /// A spherical shell, radii 14 and 26 mm, as a left ventricle.
 atlas::Ventricles shell() {
   atlas::Ventricles result;

@@ -12,6 +12,7 @@
 #include "generator/landmarks/statistics.hpp"
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/padding.hpp"
+#include "model/crop.hpp"
 #include "model/error.hpp"
 #include "support/data.hpp"
 
@@ -185,6 +186,75 @@ TEST(FindLandmarks, FindsTheHeartInClosedPadding) {
   }
 }
 
+/// The box of an image between two corners, LPS mm; its axes are the patient's.
+CtVolume part_between(const CtVolume& image, const Vec3& from_mm, const Vec3& to_mm) {
+  const Vec3 low = index_from_lps(image.grid, from_mm), high = index_from_lps(image.grid, to_mm);
+  Box box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.begin[a] = std::max<std::int64_t>(std::llround(low[static_cast<int>(a)]), 0);
+    box.end[a] = std::min<std::int64_t>(std::llround(high[static_cast<int>(a)]), image.grid.size[a]);
+  }
+  return crop(image, box);
+}
+
+/// The smallest box that holds the heart's muscle and blood, and where it begins and ends.
+std::pair<Vec3, Vec3> corners_of_heart(const LabelVolume& labels) {
+  const auto box =
+      bounding_box(labels, 0, [](std::uint8_t label) { return label != 0 && label <= tag(Region::ra_blood); });
+  const auto corner = [&](const Index3& at) {
+    return lps_from_index(labels.grid,
+                          {static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])});
+  };
+  return {corner(box.begin), corner(box.end)};
+}
+
+/// Fields of view as of cardiac scans: neither the spine nor the pulmonary artery's division is in them, but the
+/// descending aorta may be, and the left atrium lies where the spine would be in a larger image.
+TEST(FindLandmarks, FindsTheHeartWhereTheImageEndsBeforeTheSpine) {
+  for (const int variant : {0, 7}) {
+    const auto& p = phantom(variant);
+    const auto [low, high] = corners_of_heart(p.labels);
+    for (const double margin_mm : {5.0, 20.0}) {
+      const Vec3 margin{margin_mm, margin_mm, margin_mm};
+      const auto found = find_landmarks(part_between(p.ct, low - margin, high + margin));
+      EXPECT_GT(found.confidence, 0.7) << variant << " " << margin_mm;
+      for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "aorta", "pulmonary_artery"}) {
+        ASSERT_TRUE(found.landmarks.seeds_mm.contains(name)) << name << " " << variant << " " << margin_mm;
+        EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
+      }
+      for (const auto& [name, truth] : p.landmarks.valves) {
+        ASSERT_TRUE(found.landmarks.valves.contains(name)) << name << " " << variant << " " << margin_mm;
+        EXPECT_LT(norm(found.landmarks.valves.at(name).center_mm - truth.center_mm), 5) << name << " " << margin_mm;
+      }
+    }
+  }
+}
+
+TEST(FindLandmarks, TellsOfAFieldOfViewThatIsTooSmall) {
+  const auto& p = phantom(0);
+  auto [low, high] = corners_of_heart(p.labels);
+  high.y = p.landmarks.valves.at("mitral").center_mm.y + 10;  // through the left atrium
+  const std::string message = refusal(part_between(p.ct, low, high));
+  EXPECT_NE(message.find("field of view"), std::string::npos) << message;
+  EXPECT_EQ(message.find("mirrored"), std::string::npos) << message;
+}
+
+TEST(FindLandmarks, TellsOfVentriclesThatTheFieldOfViewCuts) {
+  const auto& p = phantom(0);
+  const auto [low, high] = corners_of_heart(p.labels);
+  const Vec3 around{60, 60, 60};
+  EXPECT_EQ(found_in(0).ventricles_cut_cm2, 0);
+  for (const int axis : {1, 2}) {  // from the front and from below
+    Vec3 from = low - around;
+    from[axis] = low[axis] + 15;
+    const auto found = find_landmarks(part_between(p.ct, from, high + around));
+    EXPECT_GT(found.ventricles_cut_cm2, 5) << axis;
+    EXPECT_TRUE(std::any_of(found.warnings.begin(), found.warnings.end(), [](const std::string& warning) {
+      return warning.find("field of view cuts") != std::string::npos;
+    }));
+  }
+}
+
 TEST(FindLandmarks, RefusesSlicesInReverseOrder) {
   for (const int variant : {0, 7}) {
     CtVolume image = phantom(variant).ct;
@@ -251,6 +321,8 @@ TEST(FindLandmarks, TellsOfAHeaderThatTurnsTheImage) {
     told = error.message;
   }
   EXPECT_NE(told.find("the header turns the image by 37 degrees"), std::string::npos) << told;
+  for (const char* other : {"mirrored", "exchanged", "upside down"})
+    EXPECT_EQ(told.find(other), std::string::npos) << "one cause, one message: " << told;
 }
 
 struct Expected {
@@ -261,10 +333,7 @@ struct Expected {
 
 /// Seeds were put inside the pools and checked by eye on the slices; a found seed need only be in the same pool, and
 /// the distances below are less than the pools' sizes.
-void expect_near(const Expected& expected) {
-  const std::string file = testing::real_data(expected.file);
-  if (file.empty()) GTEST_SKIP() << expected.file << " is not on this machine";
-  const auto found = find_landmarks(adapters::read_ct(file));
+void expect_near(const FoundLandmarks& found, const Expected& expected) {
   for (const auto& [name, seed] : expected.seeds_mm)
     EXPECT_LT(norm(found.landmarks.seeds_mm.at(name) - seed), 30) << name;
   for (const auto& [name, centre] : expected.valves_mm)
@@ -272,33 +341,50 @@ void expect_near(const Expected& expected) {
   EXPECT_LT(norm(*found.landmarks.lv_apex_mm - expected.apex_mm), 5);
 }
 
-TEST(RealScans, CardiacAngiography) {
-  expect_near({"cardiac-cta-1.5mm/ct.nii.gz",
-               {{"lv_blood", {48, -186, 636}},
-                {"la_blood", {0.3, -146.2, 664.7}},
-                {"rv_blood", {30, -214, 645}},
-                {"ra_blood", {-16.2, -188.2, 639.2}},
-                {"aorta", {4.8, -183.7, 702.2}}},
-               {{"mitral", {23.9, -167.7, 646.2}},
-                {"aortic", {15.6, -184.4, 660.5}},
-                {"tricuspid", {-0.5, -207.9, 640.2}},
-                {"pulmonary", {35.2, -193.7, 687.4}}},
-               {81.6, -222.1, 608}});
+void expect_in_file(const Expected& expected) {
+  const std::string file = testing::real_data(expected.file);
+  if (file.empty()) GTEST_SKIP() << expected.file << " is not on this machine";
+  expect_near(find_landmarks(adapters::read_ct(file)), expected);
+}
+
+const Expected& cardiac_angiography() {
+  static const Expected expected{"cardiac-cta-1.5mm/ct.nii.gz",
+                                 {{"lv_blood", {48, -186, 636}},
+                                  {"la_blood", {0.3, -146.2, 664.7}},
+                                  {"rv_blood", {30, -214, 645}},
+                                  {"ra_blood", {-16.2, -188.2, 639.2}},
+                                  {"aorta", {4.8, -183.7, 702.2}}},
+                                 {{"mitral", {23.9, -167.7, 646.2}},
+                                  {"aortic", {15.6, -184.4, 660.5}},
+                                  {"tricuspid", {-0.5, -207.9, 640.2}},
+                                  {"pulmonary", {35.2, -193.7, 687.4}}},
+                                 {81.6, -222.1, 608}};
+  return expected;
+}
+
+TEST(RealScans, CardiacAngiography) { expect_in_file(cardiac_angiography()); }
+
+/// 164 x 134 x 127 mm: the left atrium and the aorta lie where the spine would be, and the pulmonary artery is cut.
+TEST(RealScans, CardiacAngiographyInASmallFieldOfView) {
+  const std::string file = testing::real_data(cardiac_angiography().file);
+  if (file.empty()) GTEST_SKIP() << cardiac_angiography().file << " is not on this machine";
+  expect_near(find_landmarks(part_between(adapters::read_ct(file), {-68, -250, 581}, {96, -116, 708})),
+              cardiac_angiography());
 }
 
 TEST(RealScans, UngatedChestCtWithStreaks) {
-  expect_near({"chest-ct-lidc-0001/ct.nii.gz",
-               {{"lv_blood", {63, -12, -184}},
-                {"la_blood", {20, 15.8, -172}},
-                {"rv_blood", {40, -41.2, -194}},
-                {"ra_blood", {-1, -29.2, -181}},
-                {"aorta", {-2.5, -27.7, -127}},
-                {"pulmonary_artery", {27.5, -12.7, -131.5}}},
-               {{"mitral", {42.6, 3.5, -180.7}},
-                {"aortic", {34.7, -15.1, -173.6}},
-                {"tricuspid", {20, -31, -198}},
-                {"pulmonary", {41, -38.5, -154}}},
-               {97.7, -41.9, -197.2}});
+  expect_in_file({"chest-ct-lidc-0001/ct.nii.gz",
+                  {{"lv_blood", {63, -12, -184}},
+                   {"la_blood", {20, 15.8, -172}},
+                   {"rv_blood", {40, -41.2, -194}},
+                   {"ra_blood", {-1, -29.2, -181}},
+                   {"aorta", {-2.5, -27.7, -127}},
+                   {"pulmonary_artery", {27.5, -12.7, -131.5}}},
+                  {{"mitral", {42.6, 3.5, -180.7}},
+                   {"aortic", {34.7, -15.1, -173.6}},
+                   {"tricuspid", {20, -31, -198}},
+                   {"pulmonary", {41, -38.5, -154}}},
+                  {97.7, -41.9, -197.2}});
 }
 
 }  // namespace

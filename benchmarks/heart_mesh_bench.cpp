@@ -1,0 +1,158 @@
+// The walls of a label map as five regions: alone, next to CGAL's Mesh_3 on the same level sets, and with the blood.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "benchmarks/benchmarks.hpp"
+#include "benchmarks/cgal_rows.hpp"
+#include "benchmarks/label_measures.hpp"
+#include "datasets/phantom/phantom.hpp"
+#include "generator/adapters/itk_io.hpp"
+#include "generator/mesh/mesh_heart.hpp"
+#include "generator/mesh/walls.hpp"
+#include "generator/parallel/threads.hpp"
+#include "model/labels.hpp"
+#include "validation/mesh_checks.hpp"
+
+namespace heart::benchmarks {
+namespace {
+
+constexpr double wall_cells = 1.25e6;  // the thesis's
+
+LabelVolume labels_of(const Settings& settings) {
+  if (!settings.labels.empty()) return adapters::read_labels(settings.labels);
+  datasets::PhantomSettings phantom;
+  phantom.size = settings.size;
+  phantom.spacing_mm = settings.spacing_mm;
+  phantom.variant = settings.variant;
+  phantom.companions = phantom.fibers = false;
+  return datasets::make_phantom(phantom).labels;
+}
+
+/// Edges for as many cells in the walls; the share of what thin walls add is about the same in all hearts.
+double heart_edge_for(const LabelVolume& labels) {
+  constexpr double cells_per_cubed_edge = 8.93;
+  double volume_mm3 = 0;
+  for (const auto label : labels.voxels)
+    if (is_myocardium(static_cast<Region>(label))) volume_mm3 += labels.grid.voxel_volume_mm3();
+  return std::cbrt(cells_per_cubed_edge * volume_mm3 / wall_cells);
+}
+
+/// Of the voxels of the solid that are not wholly on one side, the part that a plane at the centre's distance leaves.
+Volumes volumes_of_walls(const mesh::WallLevelSets& walls) {
+  const Grid& grid = walls.solid.grid;
+  const double width = std::cbrt(grid.voxel_volume_mm3());
+  Volumes volumes{};
+  std::size_t voxel = 0;
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i, ++voxel) {
+        const double share = std::clamp(0.5 - static_cast<double>(walls.solid.voxels[voxel]) / width, 0.0, 1.0);
+        if (share == 0) continue;
+        const Vec3 p = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        volumes[mesh::nearest_wall(walls, p)] += share * grid.voxel_volume_mm3();
+      }
+  return volumes;
+}
+
+void add_time(Table& table, const char* bench, double time, double used, double cells) {
+  table.push_back(
+      {bench, "from level sets to labelled mesh", time, "s",
+       fmt::format("{:.1f} s of processor time; at most 2 for 1.25 M cells: {:.2f}", used, time * wall_cells / cells)});
+}
+
+double add_walls(Table& table, const char* bench, const mesh::WallLevelSets& walls, const MeshSettings& settings) {
+  TetMesh mesh;
+  mesh::LatticeReport report;
+  const double processor = processor_seconds();
+  const double time = seconds([&] { mesh = mesh::mesh_walls(walls, settings, &report); });
+  const double used = processor_seconds() - processor;
+  const auto cells = static_cast<double>(mesh.cells.size());
+  table.push_back({bench, "cells", cells / 1e6, "M", fmt::format("edges of {:.2f} mm", settings.heart_edge_mm)});
+  add_time(table, bench, time, used, cells);
+  add_quality(table, bench, mesh, report, {"at least 30", "at most 143"});
+  add_found_distances(table, bench, mesh, mesh::labels_of(walls),
+                      [&](const Vec3& p) { return mesh::wall_at(walls, p); });
+  add_regions(table, bench, mesh, volumes_of_walls(walls));
+  return cells / time;
+}
+
+// A coarser mesh: as many cells would take it minutes, and its speed per cell hardly changes.
+void add_cgal(Table& table, const char* bench, const mesh::WallLevelSets& walls, MeshSettings settings,
+              double our_cells_per_second) {
+  constexpr double coarser = 2, seeds_coarser = 3;
+  settings.heart_edge_mm *= coarser;
+  const double edge_mm = settings.heart_edge_mm;
+  adapters::ImplicitDomain implicit;
+  implicit.edge_mm = [edge_mm](const Vec3&) { return edge_mm; };
+  implicit.label_at = [&walls](const Vec3& p) { return mesh::wall_at(walls, p); };
+  settings.heart_edge_mm *= seeds_coarser;
+  const auto seeds = mesh::mesh_walls(walls, settings);
+  implicit.box_min_mm = implicit.box_max_mm = seeds.nodes_mm.front();
+  for (const auto& face : seeds.faces)
+    for (const auto n : face) {
+      const Vec3& p = seeds.nodes_mm[static_cast<std::size_t>(n)];
+      implicit.surface_points_mm.push_back(p);
+      for (int axis = 0; axis < 3; ++axis) {
+        implicit.box_min_mm[axis] = std::min(implicit.box_min_mm[axis], p[axis] - edge_mm);
+        implicit.box_max_mm[axis] = std::max(implicit.box_max_mm[axis], p[axis] + edge_mm);
+      }
+    }
+  add_cgal_rows(table, bench, implicit, fmt::format("edges of {:.2f} mm", edge_mm), our_cells_per_second);
+}
+
+// With the blood: it tells the endocardium of each chamber from the epicardium, and thin walls keep both their faces.
+void add_heart(Table& table, const LabelVolume& labels) {
+  const char* bench = "mesh-heart";
+  MeshSettings settings;
+  settings.heart_edge_mm = heart_edge_for(labels);
+  const auto heart = mesh::heart_only(labels);
+  const auto domain = mesh::make_domain(heart, settings);
+  TetMesh mesh;
+  mesh::LatticeReport report;
+  const double processor = processor_seconds();
+  const double time = seconds([&] { mesh = mesh::mesh_domain(domain, settings, &report); });
+  const double used = processor_seconds() - processor;
+  const auto& regions = mesh.region;
+  const auto cells = static_cast<double>(regions.size());
+  const auto in_walls = static_cast<double>(
+      std::count_if(regions.begin(), regions.end(), [](auto r) { return is_myocardium(static_cast<Region>(r)); }));
+  table.push_back({bench, "cells", cells / 1e6, "M", fmt::format("edges of {:.2f} mm", settings.heart_edge_mm)});
+  table.push_back({bench, "of them in the walls", in_walls / 1e6, "M", "five regions; the thesis: 1.25"});
+  add_time(table, bench, time, used, cells);
+  add_quality(table, bench, mesh, report, {"at least 30", "at most 143"});
+  add_found_distances(table, bench, mesh, heart,
+                      [&](const Vec3& p) { return mesh::region_at(domain, index_from_lps(domain.grid, p)); });
+  add_regions(table, bench, mesh, volumes_of(domain));
+}
+
+}  // namespace
+
+Table bench_mesh_myocardium(const Settings& settings, const parallel::Comm& comm) {
+  const char* bench = "mesh-myocardium";
+  Table table;
+  if (!comm.is_root()) return table;
+  parallel::set_thread_count(settings.threads);
+  const auto labels = labels_of(settings);
+  MeshSettings mesh_settings;
+  mesh_settings.heart_edge_mm = heart_edge_for(labels);
+  const auto walls = mesh::wall_level_sets(labels, mesh_settings);
+  const double our_cells_per_second = add_walls(table, bench, walls, mesh_settings);
+  parallel::set_thread_count(1);  // as many as CGAL uses: processor time is divided by them
+  add_cgal(table, bench, walls, mesh_settings, our_cells_per_second);
+  parallel::set_thread_count(settings.threads);
+  return table;
+}
+
+Table bench_mesh_heart(const Settings& settings, const parallel::Comm& comm) {
+  Table table;
+  if (!comm.is_root()) return table;
+  parallel::set_thread_count(settings.threads);
+  add_heart(table, labels_of(settings));
+  return table;
+}
+
+}  // namespace heart::benchmarks

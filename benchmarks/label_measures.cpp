@@ -1,0 +1,69 @@
+#include "benchmarks/label_measures.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "benchmarks/mesh_measures.hpp"
+#include "model/labels.hpp"
+#include "validation/label_fidelity.hpp"
+
+namespace heart::benchmarks {
+namespace {
+
+bool is_inside(const Grid& grid, const Vec3& index) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (const auto size = static_cast<double>(grid.size[static_cast<std::size_t>(axis)]);
+        std::abs(index[axis] + 0.5 - 0.5 * size) > 0.5 * size)
+      return false;
+  return true;
+}
+
+}  // namespace
+
+void add_quality(Table& table, const char* bench, const TetMesh& mesh, const mesh::LatticeReport& report,
+                 const std::array<const char*, 2>& bounds) {
+  for (const auto& [step, taken] : report.seconds)
+    table.push_back({bench, "  of it, lattice: " + step, taken, "s", ""});
+  const auto angles = angles_of(mesh.nodes_mm, mesh.cells, [](std::size_t) { return true; });
+  table.push_back({bench, "least dihedral angle", angles.least, "degrees", bounds[0]});
+  table.push_back({bench, "greatest dihedral angle", angles.greatest, "degrees", bounds[1]});
+}
+
+void add_found_distances(Table& table, const char* bench, const TetMesh& mesh, const LabelVolume& labels,
+                         const LabelAt& label_at) {
+  const auto label_inside = [&](const Vec3& lps_mm) {
+    return is_inside(labels.grid, index_from_lps(labels.grid, lps_mm)) ? label_at(lps_mm) : 0;
+  };
+  const auto rows = validation::check_against_labels("heart", mesh, validation::mesh_faces(mesh), labels, label_inside,
+                                                     ValidationSettings{});
+  for (const auto& row : rows) {
+    if (!row.metric.starts_with("to_labels_") || !row.metric.ends_with("_in_edges")) continue;
+    const bool is_p99 = row.metric.find("p99") != std::string::npos;
+    table.push_back({bench, fmt::format("{} to its level set, {}", row.scope, is_p99 ? "p99" : "greatest"), row.value,
+                     "edges", is_p99 ? "at most 0.1; centres and nodes of faces" : "at most 0.3"});
+  }
+}
+
+Volumes volumes_of(const mesh::MeshDomain& domain) {
+  Volumes volumes{};
+  for (const auto voxel : domain.voxels) volumes[voxel] += domain.grid.voxel_volume_mm3();
+  return volumes;
+}
+
+void add_regions(Table& table, const char* bench, const TetMesh& mesh, const Volumes& level_set) {
+  Volumes volume{};
+  std::array<std::int64_t, 256> count{};
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const auto at = static_cast<std::size_t>(mesh.region[c]);
+    volume[at] += cell_volume_mm3(mesh, mesh.cells[c]);
+    ++count[at];
+  }
+  for (std::size_t r = 1; r < count.size(); ++r)
+    if (level_set[r] > 0)
+      table.push_back({bench, fmt::format("{}: cells", region_name(static_cast<std::int32_t>(r))),
+                       static_cast<double>(count[r]) / 1e3, "k",
+                       fmt::format("volume {:+.2f} % of its level set's", 100 * (volume[r] / level_set[r] - 1))});
+}
+
+}  // namespace heart::benchmarks

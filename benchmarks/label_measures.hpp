@@ -1,0 +1,32 @@
+// What the benchmarks of label maps measure on their meshes.
+#pragma once
+#include <array>
+#include <functional>
+
+#include "benchmarks/measure.hpp"
+#include "generator/mesh/domain.hpp"
+#include "generator/mesh/lattice_cells.hpp"
+#include "model/tet_mesh.hpp"
+
+namespace heart::benchmarks {
+
+/// What the mesher took, step by step, and the angles; `bounds` are the remarks on the least and the greatest.
+void add_quality(Table& table, const char* bench, const TetMesh& mesh, const mesh::LatticeReport& report,
+                 const std::array<const char*, 2>& bounds);
+
+using LabelAt = std::function<int(const Vec3& lps_mm)>;
+
+/// As the certificate measures them: of faces' centres and nodes to where the region changes. The sides of the image
+/// end the mesh.
+void add_found_distances(Table& table, const char* bench, const TetMesh& mesh, const LabelVolume& labels,
+                         const LabelAt& label_at);
+
+using Volumes = std::array<double, 256>;  ///< mm3, by region tag
+
+/// The voxels whose centres a level set holds.
+Volumes volumes_of(const mesh::MeshDomain& domain);
+
+/// Cells and volume of each region, next to its level set's.
+void add_regions(Table& table, const char* bench, const TetMesh& mesh, const Volumes& level_set);
+
+}  // namespace heart::benchmarks

@@ -101,6 +101,33 @@ TEST(MeshCommand, WritesTheKindOfFileThatTheNameAsksFor) {
   EXPECT_GT(before.front()["cells"], 1000);
 }
 
+TEST(MeshCommand, MeshesTheWallsAloneAndTellsOfThoseThatAreTooThin) {
+  const auto folder = testing::scratch_folder("mesh_walls");
+  Grid grid;
+  grid.size = {40, 40, 40};
+  LabelVolume labels(grid, 0);
+  for (std::int64_t k = 0; k < 40; ++k)
+    for (std::int64_t j = 0; j < 40; ++j)
+      for (std::int64_t i = 0; i < 40; ++i) {
+        const double r = norm(Vec3{i - 20.0, j - 20.0, k - 20.0});
+        if (r < 15) labels(i, j, k) = tag(r < 9 ? Region::lv_blood : Region::lv_myocardium);
+      }
+  adapters::write_volume((folder / "ball.nii.gz").string(), labels);
+  const auto run = testing::heartgen("mesh ball.nii.gz walls.vtu --edge 2 --walls --json", folder.string());
+  ASSERT_EQ(run.exit_code, 0) << run.output << run.errors;
+  EXPECT_EQ(run.errors.find("too thin"), std::string::npos) << run.errors;
+  std::ifstream file(folder / "walls_markers.json");
+  const auto markers = nlohmann::json::parse(file);
+  EXPECT_EQ(markers.size(), 3U) << markers;
+  for (const auto* name : {"lv_myocardium", "lv_endocardium", "epicardium"})
+    EXPECT_TRUE(markers.contains(name)) << markers;
+  const auto coarse = testing::heartgen("mesh ball.nii.gz walls.vtu --edge 8 --walls --json", folder.string());
+  EXPECT_NE(coarse.errors.find("of lv_myocardium is too thin"), std::string::npos) << coarse.errors;
+  const auto refused = testing::heartgen("mesh ball.nii.gz w.vtu --walls --backend cgal", folder.string());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.errors.find("--walls"), std::string::npos) << refused.errors;
+}
+
 TEST(MeshCommand, EdgesThatNoMeshHasAreRefusedAsSuch) {
   const auto folder = testing::scratch_folder("mesh_edges");
   Grid grid;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstring>
 
 #include "generator/lattice/feature.hpp"
@@ -52,6 +53,40 @@ TEST(Fit, FacesInAGrooveGetNearToTheirSurface) {
   lattice::compress(c);
   EXPECT_EQ(defects(c), 0);
   EXPECT_GT(least_volume(c), 0);
+}
+
+// A ball of two halves. A node of the curve that is off the plane between them lies on the sphere still, and faces
+// around it hardly leave theirs.
+TEST(Fit, NodesComeBackToTheirCurve) {
+  const auto m = materials_of({[](const Vec3&) { return 0.0; },
+                               [](const Vec3& p) {
+                                 return std::min(5 - norm(p - Vec3{0.1, 0.2, 0.3}), p.z - 0.3);
+                               },
+                               [](const Vec3& p) {
+                                 return std::min(5 - norm(p - Vec3{0.1, 0.2, 0.3}), 0.3 - p.z);
+                               }},
+                              8, 0.9);
+  auto c = mesh_of(m).complex;
+  const Vec3 middle{0.1, 0.2, 0.3};
+  const auto is_on_curve = [&](std::int32_t n) {
+    return std::popcount(c.bits(n) & ~lattice::side_bits) > 2 && !c.star(n).empty();
+  };
+  const auto farthest = [&] {
+    double found = 0;
+    for (std::int32_t n = 0; n < static_cast<std::int32_t>(c.nodes_mm.size()); ++n)
+      if (is_on_curve(n)) found = std::max(found, lattice::distance_to(lattice::feature_at(m, c.bits(n), c.at(n))));
+    return found;
+  };
+  for (std::int32_t n = 0; n < static_cast<std::int32_t>(c.nodes_mm.size()) && farthest() < 0.3; ++n) {
+    if (!is_on_curve(n)) continue;
+    const Vec3 from_middle = c.at(n) - middle;
+    for (const double way : {0.35, -0.35})
+      lattice::shift_node(c, n, 5 * normalized(from_middle + Vec3{0, 0, way}) - from_middle, 1, 0.02);
+  }
+  ASSERT_GT(farthest(), 0.3);
+  lattice::FitSettings settings;
+  lattice::fit_faces(c, m, {}, settings);
+  EXPECT_LT(farthest(), 0.29);
 }
 
 TEST(Fit, NothingChangesWithoutWork) {

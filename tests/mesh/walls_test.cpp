@@ -66,7 +66,7 @@ class SmallWalls : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     labels = new LabelVolume(label_cube(70, 1, small_heart));
-    settings.heart_edge_mm = 1.5;
+    settings.heart_edge_mm = 1.2;
     walls = new mesh::WallLevelSets(mesh::wall_level_sets(*labels, settings));
     whole = new TetMesh(mesh::mesh_walls(*walls, settings));
   }

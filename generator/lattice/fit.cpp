@@ -97,7 +97,7 @@ Fitness fitness_of(const Complex& part, const Materials& materials, const FitSet
 // Back onto surfaces and curves, as far as cells allow.
 void draw_to_surfaces(Complex& part, const Materials& materials, double least_quality) {
   constexpr int newton_steps = 3;
-  constexpr double most_shift = 0.7;  // of the lattice's width
+  constexpr double most_shift = 0.3;  // of the lattice's width
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(part.nodes_mm.size()); ++n) {
     if (part.is_frozen(n) || !is_constrained(part.bits(n)) || part.star(n).empty()) continue;
     const Vec3 way = project(materials, part.bits(n), part.at(n), newton_steps) - part.at(n);

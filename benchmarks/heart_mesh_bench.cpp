@@ -15,7 +15,6 @@
 #include "generator/mesh/walls.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
-#include "validation/mesh_checks.hpp"
 
 namespace heart::benchmarks {
 namespace {

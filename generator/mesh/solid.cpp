@@ -51,7 +51,8 @@ std::array<LevelSet, 3> heart_surfaces(const MeshDomain& domain, double voxel_mm
 }
 
 /// Takes away what a ball cannot reach from inside (`side` 1: opening) or fills what it cannot reach from outside (-1:
-/// closing). Elsewhere not a bit changes: distances from voxel centres only tell where the ball cannot go.
+/// closing). Distances from voxel centres, with half a voxel to spare, only tell where the ball cannot go: elsewhere
+/// surfaces stay.
 void roll(LevelSet& distance, float radius_mm, float side) {
   const auto& spacing = distance.grid.spacing_mm;
   const auto half_voxel = static_cast<float>(0.5 * std::cbrt(spacing.x * spacing.y * spacing.z));

@@ -75,8 +75,8 @@ TEST(ImproveCommand, NumbersOfNodesAreRefusedByName) {
   EXPECT_EQ(testing::heartgen("improve block.vtk b.vtk --drop id --region wall", folder.string()).exit_code, 2);
 }
 
-TEST(MeshCommand, WritesTheKindOfFileThatTheNameAsksFor) {
-  const auto folder = testing::scratch_folder("mesh");
+/// A ball of blood in a wall of 6 mm.
+void write_ball(const fs::path& path) {
   Grid grid;
   grid.size = {40, 40, 40};
   LabelVolume labels(grid, 0);
@@ -86,7 +86,12 @@ TEST(MeshCommand, WritesTheKindOfFileThatTheNameAsksFor) {
         const double r = norm(Vec3{i - 20.0, j - 20.0, k - 20.0});
         if (r < 15) labels(i, j, k) = tag(r < 9 ? Region::lv_blood : Region::lv_myocardium);
       }
-  adapters::write_volume((folder / "ball.nii.gz").string(), labels);
+  adapters::write_volume(path.string(), labels);
+}
+
+TEST(MeshCommand, WritesTheKindOfFileThatTheNameAsksFor) {
+  const auto folder = testing::scratch_folder("mesh");
+  write_ball(folder / "ball.nii.gz");
   std::vector<nlohmann::json> before;
   for (const std::string kind : {"vtu", "msh", "vtk"}) {
     const auto run = testing::heartgen("mesh ball.nii.gz new/ball." + kind + " --edge 3", folder.string());
@@ -103,16 +108,7 @@ TEST(MeshCommand, WritesTheKindOfFileThatTheNameAsksFor) {
 
 TEST(MeshCommand, MeshesTheWallsAloneAndTellsOfThoseThatAreTooThin) {
   const auto folder = testing::scratch_folder("mesh_walls");
-  Grid grid;
-  grid.size = {40, 40, 40};
-  LabelVolume labels(grid, 0);
-  for (std::int64_t k = 0; k < 40; ++k)
-    for (std::int64_t j = 0; j < 40; ++j)
-      for (std::int64_t i = 0; i < 40; ++i) {
-        const double r = norm(Vec3{i - 20.0, j - 20.0, k - 20.0});
-        if (r < 15) labels(i, j, k) = tag(r < 9 ? Region::lv_blood : Region::lv_myocardium);
-      }
-  adapters::write_volume((folder / "ball.nii.gz").string(), labels);
+  write_ball(folder / "ball.nii.gz");
   const auto run = testing::heartgen("mesh ball.nii.gz walls.vtu --edge 2 --walls --json", folder.string());
   ASSERT_EQ(run.exit_code, 0) << run.output << run.errors;
   EXPECT_EQ(run.errors.find("too thin"), std::string::npos) << run.errors;

@@ -218,7 +218,7 @@ std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std
 
 std::int64_t separate_sheets(Complex& complex, double least_quality) {
   constexpr int most_rounds = 8, late_rounds = 8;
-  constexpr double late_quality = 0.4885;  // angles in [29, 145] degrees: worse cells are better than an overlap
+  constexpr double late_quality = 0.4885;  // angles in [29, 145] degrees
   const auto faces = outer_faces(complex);
   auto pairs = meeting_faces(complex.nodes_mm, faces);
   for (int round = 0; round < most_rounds + late_rounds && !pairs.empty(); ++round) {

@@ -248,14 +248,33 @@ bool keeps_topology(const Contacts& contacts, int own, int other) {
   return true;
 }
 
+bool has_frozen_node(const Complex& c, const Cell& cell) {
+  return std::any_of(cell.begin(), cell.end(), [&](auto n) { return c.is_frozen(n); });
+}
+
+void give_label(Complex& c, std::int32_t id, int label) {
+  c.label[static_cast<std::size_t>(id)] = static_cast<std::uint8_t>(label);
+  for (const auto n : c.cell(id)) {
+    auto& bits = c.touches[static_cast<std::size_t>(n)];
+    bits &= side_bits | bit_of(0);
+    for (const auto t : c.star(n)) bits |= bit_of(c.label_of(t));
+  }
+}
+
 }  // namespace
+
+// The outside has no cells to look at, and need not: what a set keeps, its complement keeps too.
+bool relabel(Complex& c, std::int32_t id, int label) {
+  if (has_frozen_node(c, c.cell(id)) || !keeps_topology(contacts_of(c, id), c.label_of(id), label)) return false;
+  give_label(c, id, label);
+  return true;
+}
 
 bool relabel_tip(Complex& c, std::int32_t id) {
   const Cell cell = c.cell(id);
   const int own = c.label_of(id);
-  // Around a frozen node there may be cells that are not seen here.
-  if (std::any_of(cell.begin(), cell.end(), [&](auto n) { return c.is_frozen(n); })) return false;
-  for (std::size_t i = 0; i < 4; ++i)  // the outside has no cells to look at
+  if (has_frozen_node(c, cell)) return false;
+  for (std::size_t i = 0; i < 4; ++i)
     if (cells_at_face(c, cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4])[1] < 0) return false;
   const auto contacts = contacts_of(c, id);
   int other = -1, most_faces = 0;
@@ -267,12 +286,7 @@ bool relabel_tip(Complex& c, std::int32_t id) {
     most_faces = faces;
   }
   if (other < 0) return false;
-  c.label[static_cast<std::size_t>(id)] = static_cast<std::uint8_t>(other);
-  for (const auto n : cell) {
-    auto& bits = c.touches[static_cast<std::size_t>(n)];
-    bits &= side_bits | bit_of(0);
-    for (const auto t : c.star(n)) bits |= bit_of(c.label_of(t));
-  }
+  give_label(c, id, other);
   return true;
 }
 

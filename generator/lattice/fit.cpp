@@ -11,8 +11,10 @@
 #include "generator/lattice/balance.hpp"
 #include "generator/lattice/box.hpp"
 #include "generator/lattice/contract.hpp"
+#include "generator/lattice/exchange.hpp"
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/place.hpp"
+#include "generator/lattice/refine.hpp"
 #include "generator/lattice/separate.hpp"
 #include "generator/lattice/surface_faces.hpp"
 #include "generator/parallel/gather.hpp"
@@ -23,20 +25,53 @@
 namespace heart::lattice {
 namespace {
 
-// Of nodes on surfaces and curves, to the farthest of those surfaces; 0 of others.
-double distance_of_node(const Complex& c, const Materials& materials, std::int32_t node) {
-  return is_constrained(c.bits(node)) ? distance_to(feature_at(materials, c.bits(node), c.at(node))) : 0;
+// How far from a point a region is found, in steps; a little beyond the last one where it is not. To first order,
+// distances say nothing of this: where a region ends in a tail, both sides are as near beyond its end.
+double reach_of(const Materials& materials, int region, const Vec3& from, double edge) {
+  constexpr std::array steps{0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4};  // edges
+  constexpr double beyond = 2;
+  if (materials.label_at(from) == region) return 0;
+  for (const double step : steps)
+    for (int k = -1; k <= 1; ++k)
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) {
+          if (i == 0 && j == 0 && k == 0) continue;
+          const Vec3 way{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+          if (materials.label_at(from + step * edge / norm(way) * way) == region) return step * edge;
+        }
+  return beyond * edge;
 }
 
-// Distance of a face's centre or, if that is greater, of its nodes from their surfaces, in its mean edges.
+double reach_of_all(const Materials& materials, LabelBits labels, const Vec3& from, double edge) {
+  double farthest = 0;
+  for (int region = 1; region < first_side; ++region)
+    if ((labels & bit_of(region)) != 0) farthest = std::max(farthest, reach_of(materials, region, from, edge));
+  return farthest;
+}
+
+// Of nodes on surfaces and curves, to the farthest of those surfaces, or of the regions that meet there; 0 of others.
+double distance_of_node(const Complex& c, const Materials& materials, std::int32_t node) {
+  const LabelBits labels = c.bits(node), regions = labels & ~side_bits & ~bit_of(0);
+  if (!is_constrained(labels)) return 0;
+  const double distance = distance_to(feature_at(materials, labels, c.at(node)));
+  if (!is_constrained(regions)) return distance;
+  return std::max(distance, reach_of_all(materials, regions, c.at(node),
+                                         static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)])));
+}
+
+// Distance of a face's centre or, if that is greater, of its nodes from their surfaces and regions, in its mean edges.
 template <class DistanceOfNode>
 double error_of(const Complex& c, const Materials& materials, const SurfaceFace& face,
                 const DistanceOfNode& distance_of) {
+  constexpr double aside = 0.15;  // of the edge
   const Vec3 a = c.at(face.nodes[0]), b = c.at(face.nodes[1]), d = c.at(face.nodes[2]);
   const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-  double farthest = distance_to(feature_at(materials, face.labels, (a + b + d) / 3));
+  const Vec3 center = (a + b + d) / 3;
+  double farthest = distance_to(feature_at(materials, face.labels, center));
   for (const auto n : face.nodes) farthest = std::max(farthest, distance_of(n));
-  return farthest / edge;
+  const Vec3 way = aside * edge * normalized(cross(b - a, d - a));
+  const LabelBits found = bit_of(materials.label_at(center + way)) | bit_of(materials.label_at(center - way));
+  return std::max(farthest, reach_of_all(materials, face.labels & ~found, center, edge)) / edge;
 }
 
 Face sorted(Face face) {
@@ -244,6 +279,23 @@ void divide(Complex& part, const Materials& materials, const Face& face, int way
       halve_edge(part, materials, face[i], face[(i + 1) % 3]);
 }
 
+// Gives cells the regions in which they lie, where that is only a matter of tips and tails: tails go from their end on.
+bool relabel_strays(Complex& part, const Materials& materials) {
+  constexpr int most_rounds = 6;
+  bool is_changed = false;
+  for (int round = 0; round < most_rounds; ++round) {
+    bool is_changed_now = false;
+    for (std::int32_t id = 0; id < static_cast<std::int32_t>(part.cells.size()); ++id) {
+      if (!part.is_alive(id) || has_free_node(part, id)) continue;
+      const int there = label_if_stray(part, materials, id);
+      if (there != 0 && there != part.label_of(id)) is_changed_now = relabel(part, id, there) || is_changed_now;
+    }
+    if (!is_changed_now) break;
+    is_changed = true;
+  }
+  return is_changed;
+}
+
 // Divides the worst face and repairs what that makes, then goes on from the outcome wherever it is better.
 void fit(Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings) {
   constexpr int most_tries = 30;
@@ -257,7 +309,7 @@ void fit(Job& job, const Materials& materials, RepairSettings repairing, const F
   for (int attempt = 0; attempt < most_tries && job.fitness.misery > 0; ++attempt, ++way) {
     job.work += static_cast<std::int64_t>(job.place.part.cells.size());
     Complex tried = job.best.cells.empty() ? job.place.part : job.best;
-    divide(tried, materials, job.fitness.worst, way);
+    if (way > 0 || !relabel_strays(tried, materials)) divide(tried, materials, job.fitness.worst, std::max(way - 1, 0));
     repair(tried, materials, repairing);
     draw_to_surfaces(tried, materials, settings.enough);
     balance_surfaces(tried, materials, settings.enough);

@@ -12,6 +12,7 @@
 #include "generator/mesh/flips.hpp"
 #include "generator/mesh/quality.hpp"
 #include "generator/mesh/surfaces.hpp"
+#include "generator/parallel/gather.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heart::mesh {
@@ -219,15 +220,19 @@ void improve(std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<
 }
 
 void sort_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<std::int32_t>& label) {
-  std::vector<std::pair<Cell, std::int32_t>> sorted;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    Cell cell = cells[c];
-    std::sort(cell.begin(), cell.end());
-    const auto p = [&](std::size_t i) { return nodes_mm[static_cast<std::size_t>(cell[i])]; };
-    if (dot(p(1) - p(0), cross(p(2) - p(0), p(3) - p(0))) < 0) std::swap(cell[2], cell[3]);
-    sorted.emplace_back(cell, label[c]);
-  }
-  std::sort(sorted.begin(), sorted.end());
+  using Labelled = std::pair<Cell, std::int32_t>;
+  const auto of_nodes = [&](std::int64_t first, std::int64_t last, std::vector<Labelled>& sorted) {
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      Cell cell = cells[c];
+      std::sort(cell.begin(), cell.end());
+      if (cell[0] < first || cell[0] >= last) continue;
+      const auto p = [&](std::size_t i) { return nodes_mm[static_cast<std::size_t>(cell[i])]; };
+      if (dot(p(1) - p(0), cross(p(2) - p(0), p(3) - p(0))) < 0) std::swap(cell[2], cell[3]);
+      sorted.emplace_back(cell, label[c]);
+    }
+    std::sort(sorted.begin(), sorted.end());
+  };
+  const auto sorted = parallel::gather<Labelled>(0, static_cast<std::int64_t>(nodes_mm.size()), of_nodes);
   for (std::size_t c = 0; c < cells.size(); ++c) std::tie(cells[c], label[c]) = sorted[c];
 }
 

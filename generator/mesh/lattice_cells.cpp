@@ -8,6 +8,7 @@
 #include "generator/lattice/draw.hpp"
 #include "generator/lattice/ease.hpp"
 #include "generator/lattice/fit.hpp"
+#include "generator/lattice/refine.hpp"
 #include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
 #include "generator/lattice/stuff.hpp"
@@ -61,11 +62,26 @@ std::int64_t repair_on_curves(lattice::Complex& complex, const lattice::Material
   return below_goal;
 }
 
-void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
+namespace {
+
+// Cells of the outside are still there. Tells which have another label now.
+std::vector<std::uint8_t> settle_cells(lattice::Complex& complex, std::span<const LabelSet> manifold_sets,
+                                       std::int64_t crumb_cells) {
   std::vector<std::int32_t> label(complex.label.begin(), complex.label.end());
   settle_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
-  for (std::size_t c = 0; c < label.size(); ++c) complex.label[c] = static_cast<std::uint8_t>(label[c]);
+  std::vector<std::uint8_t> is_changed(label.size());
+  for (std::size_t c = 0; c < label.size(); ++c) {
+    is_changed[c] = label[c] != complex.label[c];
+    complex.label[c] = static_cast<std::uint8_t>(label[c]);
+  }
   lattice::derive_touches(complex);
+  return is_changed;
+}
+
+}  // namespace
+
+void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
+  settle_cells(complex, manifold_sets, crumb_cells);
   lattice::compress(complex);
 }
 
@@ -85,7 +101,8 @@ bool is_better(const Attempt& a, const Attempt& b) {
 
 /// What every attempt at a mesh is told.
 struct Task {
-  const lattice::Materials* materials;
+  const lattice::Materials* wanted;
+  std::vector<lattice::FineSpot> spots;  // where edges as wanted were too long
   std::span<const LabelSet> manifold_sets;
   std::int64_t crumb_cells;
   LatticeAims aims;
@@ -102,9 +119,19 @@ void separate(Attempt& made, const Task& task) {
   task.watch->note("separate");
 }
 
+std::vector<Vec3> places_of_meeting(const lattice::Complex& c) {
+  const auto faces = lattice::outer_faces(c);
+  std::vector<Vec3> places;
+  for (const auto& [one, other] : lattice::meeting_faces(c.nodes_mm, faces)) {
+    const auto& face = faces[static_cast<std::size_t>(one)];
+    places.push_back((c.at(face[0]) + c.at(face[1]) + c.at(face[2])) / 3);
+  }
+  return places;
+}
+
 void finish(Attempt& made, const Task& task) {
   auto& c = made.complex;
-  const auto& materials = *task.materials;
+  const auto& materials = *task.wanted;
   lattice::rescue(c, materials, task.repairing, kept_quality, lattice::OnFailure::go_on);
   task.watch->note("polish");
   lattice::ease_faces(c, materials, task.repairing.least, task.aims.fitted);
@@ -117,16 +144,27 @@ void finish(Attempt& made, const Task& task) {
   made.is_finished = true;
 }
 
-// Fits only what has no cell that is too bad: else another attempt follows, which may be better.
-Attempt attempt(const Task& task, double reach) {
-  const auto& materials = *task.materials;
-  auto& watch = *task.watch;
+// Where labels do not fit into the lattice, edges become shorter.
+lattice::Complex stuff_and_settle(Task& task, double reach) {
+  constexpr int most_rounds = 1;
   lattice::StuffSettings stuffing;
   stuffing.edge_reach = reach;
-  Attempt made{lattice::stuff(materials, stuffing)};
-  watch.note("stuff");
-  settle(made.complex, task.manifold_sets, task.crumb_cells);
-  watch.note("settle");
+  for (int round = 0;; ++round) {
+    auto complex = lattice::stuff(lattice::refined_at(*task.wanted, task.spots), stuffing);
+    task.watch->note("stuff");
+    const auto is_changed = settle_cells(complex, task.manifold_sets, task.crumb_cells);
+    const auto strays = lattice::far_strays(complex, *task.wanted, task.aims.fitted, is_changed);
+    lattice::compress(complex);
+    task.watch->note("settle");
+    if (round == most_rounds || !lattice::add_spots(task.spots, strays, *task.wanted, 1)) return complex;
+  }
+}
+
+// Fits only what has no cell that is too bad: else another attempt follows, which may be better.
+Attempt attempt(Task& task, double reach) {
+  const auto& materials = *task.wanted;
+  auto& watch = *task.watch;
+  Attempt made{stuff_and_settle(task, reach)};
   made.below_goal = repair_on_curves(made.complex, materials, task.repairing);
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, task.repairing.least);
@@ -142,7 +180,7 @@ Attempt attempt(const Task& task, double reach) {
 }
 
 // How far nodes snap decides which configurations arise where several materials meet or the outside is narrow; another
-// reach gives other ones.
+// reach gives other ones. And where sheets meet, edges become shorter.
 constexpr std::array reaches{0.5, 0.42, 0.36};
 
 lattice::LabelBits heart_bits() {
@@ -166,12 +204,13 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
 lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report, const LatticeAims& aims) {
   StepWatch watch{report};
-  Task task{&materials, manifold_sets, crumb_cells, aims, {}, &watch};
+  Task task{&materials, {}, manifold_sets, crumb_cells, aims, {}, &watch};
   Attempt best;
   for (const double reach : reaches) {
     auto made = attempt(task, reach);
     if (is_better(made, best)) best = std::move(made);
     if (best.meeting == 0 && best.worst >= aims.enough) break;
+    lattice::add_spots(task.spots, places_of_meeting(best.complex), materials, 2);
   }
   if (!best.is_finished) finish(best, task);
   if (report != nullptr) report->cells_below_goal = best.below_goal;

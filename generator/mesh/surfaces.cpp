@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <tuple>
 #include <utility>
 
-#include "generator/parallel/threads.hpp"
+#include "generator/parallel/gather.hpp"
 #include "model/labels.hpp"
 #include "model/sort_unique.hpp"
 
@@ -22,43 +23,78 @@ Face ascending(Face face) {
   return face;
 }
 
+/// Half of a face, of those whose smallest node is the same.
 struct HalfFace {
-  Face key;
-  std::int32_t cell;
-  std::int32_t corner;
+  std::uint64_t others;  ///< the other two nodes, the smaller one in the upper half
+  std::int64_t place;    ///< 4 * cell + corner
+  bool operator<(const HalfFace& other) const { return std::tie(others, place) < std::tie(other.others, other.place); }
 };
-
-HalfFace half_face(const std::vector<Cell>& cells, std::size_t cell, std::size_t corner) {
-  const auto& corners = face_corners[corner];
-  return {ascending({cells[cell][corners[0]], cells[cell][corners[1]], cells[cell][corners[2]]}),
-          static_cast<std::int32_t>(cell), static_cast<std::int32_t>(corner)};
-}
-
-// Sorted by key, then cell: first into one bucket per smallest node, then each bucket.
-std::vector<HalfFace> half_faces(const std::vector<Cell>& cells) {
-  std::int32_t nodes = 0;
-  for (const auto& cell : cells) nodes = std::max(nodes, 1 + *std::max_element(cell.begin(), cell.end()));
-  std::vector<std::size_t> end(static_cast<std::size_t>(nodes) + 1, 0);
-  const auto each = [&](auto&& visit) {
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      for (std::size_t f = 0; f < 4; ++f) visit(half_face(cells, c, f));
-  };
-  each([&](const HalfFace& half) { ++end[static_cast<std::size_t>(half.key[0]) + 1]; });
-  for (std::size_t n = 1; n < end.size(); ++n) end[n] += end[n - 1];
-  std::vector<HalfFace> halves(4 * cells.size());
-  each([&](const HalfFace& half) { halves[end[static_cast<std::size_t>(half.key[0])]++] = half; });
-  parallel::parallel_for(0, nodes, [&](std::int64_t first, std::int64_t last) {
-    for (auto n = static_cast<std::size_t>(first); n < static_cast<std::size_t>(last); ++n)
-      std::sort(halves.begin() + static_cast<std::ptrdiff_t>(n == 0 ? 0 : end[n - 1]),
-                halves.begin() + static_cast<std::ptrdiff_t>(end[n]),
-                [](const HalfFace& a, const HalfFace& b) { return std::tie(a.key, a.cell) < std::tie(b.key, b.cell); });
-  });
-  return halves;
-}
 
 Face outward(const Cell& cell, std::int32_t corner) {
   const auto& corners = face_corners[static_cast<std::size_t>(corner)];
   return {cell[corners[0]], cell[corners[1]], cell[corners[2]]};
+}
+
+std::int32_t count_nodes(const std::vector<Cell>& cells) {
+  std::int32_t nodes = 0;
+  for (const auto& cell : cells) nodes = std::max(nodes, 1 + *std::max_element(cell.begin(), cell.end()));
+  return nodes;
+}
+
+/// Half faces in one bucket per smallest node, of the nodes from `first` on.
+struct Buckets {
+  std::int64_t first;
+  std::vector<std::size_t> end;  // of bucket n - first: from end[n - first - 1], or 0, to end[n - first]
+  std::vector<HalfFace> halves;
+};
+
+Buckets buckets_of(const std::vector<Cell>& cells, std::int64_t first, std::int64_t last) {
+  const auto each = [&](auto&& visit) {
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (std::int32_t corner = 0; corner < 4; ++corner) {
+        const Face key = ascending(outward(cells[c], corner));
+        if (key[0] >= first && key[0] < last)
+          visit(static_cast<std::size_t>(key[0] - first), key, static_cast<std::int64_t>(4 * c) + corner);
+      }
+  };
+  Buckets buckets{first, std::vector<std::size_t>(static_cast<std::size_t>(last - first) + 1, 0), {}};
+  each([&](std::size_t bucket, const Face&, std::int64_t) { ++buckets.end[bucket + 1]; });
+  for (std::size_t n = 1; n < buckets.end.size(); ++n) buckets.end[n] += buckets.end[n - 1];
+  buckets.halves.resize(buckets.end.back());
+  each([&](std::size_t bucket, const Face& key, std::int64_t place) {
+    const auto others = static_cast<std::uint64_t>(key[1]) << 32U | static_cast<std::uint64_t>(key[2]);
+    buckets.halves[buckets.end[bucket]++] = {others, place};
+  });
+  return buckets;
+}
+
+// Of the faces with smallest nodes from `first` on, ascending.
+template <class Keep>
+void add_faces(const std::vector<Cell>& cells, std::int64_t first, std::int64_t last, const Keep& keep,
+               std::vector<CellFace>& faces) {
+  auto [_, end, halves] = buckets_of(cells, first, last);
+  std::size_t begin = 0;
+  for (std::size_t bucket = 0; bucket + 1 < end.size(); begin = end[bucket++]) {
+    std::sort(halves.begin() + static_cast<std::ptrdiff_t>(begin),
+              halves.begin() + static_cast<std::ptrdiff_t>(end[bucket]));
+    for (std::size_t h = begin; h < end[bucket]; ++h) {
+      const auto cell = static_cast<std::int32_t>(halves[h].place / 4);
+      CellFace face{outward(cells[static_cast<std::size_t>(cell)], static_cast<std::int32_t>(halves[h].place % 4)),
+                    cell, -1};
+      if (h + 1 < end[bucket] && halves[h + 1].others == halves[h].others)
+        face.other = static_cast<std::int32_t>(halves[++h].place / 4);
+      if (keep(face)) faces.push_back(face);
+    }
+  }
+}
+
+// Each thread reads all cells, and sorts the faces of its own nodes.
+template <class Keep>
+std::vector<CellFace> faces_where(const std::vector<Cell>& cells, const Keep& keep) {
+  return parallel::gather<CellFace>(0, count_nodes(cells),
+                                    [&](std::int64_t first, std::int64_t last, std::vector<CellFace>& faces) {
+                                      add_faces(cells, first, last, keep, faces);
+                                    });
 }
 
 // Keeps the nodes that cells use; returns the new id of every node (-1: dropped).
@@ -79,26 +115,23 @@ std::vector<std::int32_t> number_used_nodes(const std::vector<Vec3>& nodes_mm, T
 }  // namespace
 
 std::vector<CellFace> cell_faces(const std::vector<Cell>& cells) {
-  const auto halves = half_faces(cells);
-  std::vector<CellFace> faces;
-  faces.reserve(halves.size() / 2 + 1);
-  for (std::size_t h = 0; h < halves.size(); ++h) {
-    const auto& half = halves[h];
-    CellFace face{outward(cells[static_cast<std::size_t>(half.cell)], half.corner), half.cell, -1};
-    if (h + 1 < halves.size() && halves[h + 1].key == half.key) face.other = halves[++h].cell;
-    faces.push_back(face);
-  }
-  return faces;
+  return faces_where(cells, [](const CellFace&) { return true; });
 }
 
 TetMesh assemble(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
                  const std::vector<std::int32_t>& label, const std::function<bool(std::int32_t)>& keep,
                  const std::function<std::int32_t(std::int32_t, std::int32_t)>& surface_of) {
   TetMesh mesh;
-  for (const auto& face : cell_faces(cells)) {
-    std::int32_t a = label[static_cast<std::size_t>(face.cell)];
-    std::int32_t b = face.other < 0 ? 0 : label[static_cast<std::size_t>(face.other)];
-    if (a == b || (!keep(a) && !(b != 0 && keep(b)))) continue;
+  const auto labels_at = [&](const CellFace& face) {
+    return std::pair{label[static_cast<std::size_t>(face.cell)],
+                     face.other < 0 ? 0 : label[static_cast<std::size_t>(face.other)]};
+  };
+  const auto is_kept = [&](const CellFace& face) {
+    const auto [a, b] = labels_at(face);
+    return a != b && (keep(a) || (b != 0 && keep(b)));
+  };
+  for (const auto& face : faces_where(cells, is_kept)) {
+    auto [a, b] = labels_at(face);
     Face nodes = face.nodes;
     const bool b_is_first = b != 0 && keep(b) && (!keep(a) || b < a);
     if (b_is_first) {

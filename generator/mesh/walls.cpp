@@ -147,12 +147,42 @@ struct Side {
   Region beyond;
 };
 
-/// Where two pools of blood meet at the wall. `sides` are ascending by edge.
-std::vector<Rim> rims_of(const TetMesh& mesh, const std::vector<Side>& sides) {
+/// Where the outer faces around each node have different pools of blood beyond them. `beyond` is per face.
+std::vector<std::uint8_t> is_between_pools(const TetMesh& mesh, const std::vector<Region>& beyond) {
+  std::vector<Region> pool(mesh.nodes_mm.size(), Region::none);
+  std::vector<std::uint8_t> is_between(mesh.nodes_mm.size(), 0);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (!is_blood(beyond[f])) continue;
+    for (const auto n : mesh.faces[f]) {
+      auto& first = pool[static_cast<std::size_t>(n)];
+      if (first == Region::none) first = beyond[f];
+      if (first != beyond[f]) is_between[static_cast<std::size_t>(n)] = 1;
+    }
+  }
+  return is_between;
+}
+
+/// Ascending by edge.
+std::vector<Side> sides_between_pools(const TetMesh& mesh, const std::vector<Region>& beyond) {
+  const auto is_between = is_between_pools(mesh, beyond);
+  std::vector<Side> sides;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (std::size_t i = 0; i < 3 && is_blood(beyond[f]); ++i) {
+      const auto [a, b] = std::minmax(mesh.faces[f][i], mesh.faces[f][(i + 1) % 3]);
+      if (is_between[static_cast<std::size_t>(a)] != 0 && is_between[static_cast<std::size_t>(b)] != 0)
+        sides.push_back({{a, b}, beyond[f]});
+    }
+  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge < b.edge; });
+  return sides;
+}
+
+/// Where two pools of blood meet at the wall.
+std::vector<Rim> rims_of(const TetMesh& mesh, const std::vector<Region>& beyond) {
+  const auto sides = sides_between_pools(mesh, beyond);
   std::map<std::int32_t, std::vector<std::int32_t>> nodes;
   for (std::size_t s = 0; s + 1 < sides.size(); ++s) {
     const Side &one = sides[s], &other = sides[s + 1];
-    if (one.edge == other.edge && one.beyond != other.beyond && is_blood(one.beyond) && is_blood(other.beyond)) {
+    if (one.edge == other.edge && one.beyond != other.beyond) {
       auto& rim = nodes[surface_between(one.beyond, other.beyond)];
       rim.insert(rim.end(), {one.edge.first, one.edge.second});
     }
@@ -171,17 +201,16 @@ constexpr std::int32_t unnamed = -1;  // and less: minus the tag of the wall
 
 /// Names the outer faces and finds the rims between them.
 void name_outer_faces(const MeshDomain& domain, TetMesh& mesh) {
-  std::vector<Side> sides;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    auto& surface = mesh.surface[f];
-    if (surface > unnamed) continue;
-    const auto beyond = region_beyond(domain, corners(mesh, mesh.faces[f]));
-    surface = surface_between(static_cast<Region>(-surface), beyond);
-    for (std::size_t i = 0; i < 3; ++i)
-      sides.push_back({std::minmax(mesh.faces[f][i], mesh.faces[f][(i + 1) % 3]), beyond});
-  }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge < b.edge; });
-  mesh.rims = rims_of(mesh, sides);
+  std::vector<Region> beyond(mesh.faces.size(), Region::none);
+  parallel::parallel_for(0, static_cast<std::int64_t>(beyond.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+      auto& surface = mesh.surface[f];
+      if (surface > unnamed) continue;
+      beyond[f] = region_beyond(domain, corners(mesh, mesh.faces[f]));
+      surface = surface_between(static_cast<Region>(-surface), beyond[f]);
+    }
+  });
+  mesh.rims = rims_of(mesh, beyond);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "generator/lattice/feature.hpp"
@@ -129,6 +130,35 @@ TEST(Fit, SameBitsForAnyNumberOfThreads) {
     ASSERT_EQ(c.nodes_mm.size(), made[0].nodes_mm.size());
     EXPECT_EQ(std::memcmp(c.nodes_mm.data(), made[0].nodes_mm.data(), c.nodes_mm.size() * sizeof(Vec3)), 0);
   }
+}
+
+// Where a region ends in a tail beyond its end, distances to first order are small: only the labels tell.
+TEST(Fit, TailsGoBackToTheirRegion) {
+  const auto m =
+      materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return std::min(5 - norm(p), p.z - 0.3); },
+                    [](const Vec3& p) { return std::min(5 - norm(p), 0.3 - p.z); }},
+                   8, 0.9);
+  auto c = mesh_of(m).complex;
+  const auto center = [&](std::size_t t) {
+    const Cell& cell = c.cells[t];
+    return 0.25 * (c.at(cell[0]) + c.at(cell[1]) + c.at(cell[2]) + c.at(cell[3]));
+  };
+  const auto is_stray = [&](std::size_t t) {
+    return c.is_alive(static_cast<std::int32_t>(t)) && c.label[t] != m.label_at(center(t));
+  };
+  int strays = 0;
+  for (std::size_t t = 0; t < c.cells.size(); ++t) {
+    const Vec3 p = center(t);
+    if (std::hypot(p.x - 0.1, p.y - 0.1) > 0.45 || p.z < 0.3 || p.z > 2.4) continue;
+    c.label[t] = 2;
+    ++strays;
+  }
+  lattice::derive_touches(c);
+  ASSERT_GT(strays, 4);
+  EXPECT_EQ(lattice::fit_faces(c, m, {}, {}), 0);
+  for (std::size_t t = 0; t < c.cells.size(); ++t) EXPECT_FALSE(is_stray(t)) << t;
+  lattice::compress(c);
+  EXPECT_EQ(defects(c), 0);
 }
 
 }  // namespace

@@ -1,0 +1,39 @@
+// Places where the lattice is too coarse for what it is told, and materials that wish shorter edges there.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/materials.hpp"
+
+namespace heart::lattice {
+
+bool has_free_node(const Complex& complex, std::int32_t cell);
+
+/// The label at the centre of a cell that has its own nowhere in it; else its own.
+int label_if_stray(const Complex& complex, const Materials& materials, std::int32_t cell);
+
+/// Centres (mm) of such cells that have their label nowhere near them either, of those that have, or lie in, one of
+/// `labels`: what should be there is narrower than cells. Looks at cells whose label `is_changed` since the stuffing,
+/// and at those without a free node: no others can be strays. Needs `touches` to be what the cells make them
+/// (derive_touches).
+std::vector<Vec3> far_strays(const Complex& complex, const Materials& materials, LabelBits labels,
+                             const std::vector<std::uint8_t>& is_changed);
+
+/// A ball in which edges are shorter.
+struct FineSpot {
+  Vec3 center_mm;
+  double radius_mm = 0;
+  int halvings = 1;  ///< of the edges that the materials wish
+};
+
+/// Adds a spot of a few edges around each position, so much finer than it is there already (three halvings at most),
+/// but where another one of the kind covers it well. Returns whether there are more spots now; none are added beyond a
+/// number at which the whole would have to be finer.
+bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_mm, const Materials& materials,
+               int halvings);
+
+/// The same materials with shorter edges in the spots. Both must outlive the result.
+Materials refined_at(const Materials& materials, const std::vector<FineSpot>& spots);
+
+}  // namespace heart::lattice

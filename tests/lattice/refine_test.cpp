@@ -1,0 +1,67 @@
+#include "generator/lattice/refine.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "lattice/shapes.hpp"
+
+namespace {
+
+using namespace heart;
+using namespace heart::testing;
+
+TEST(Refine, SpotsHalveTheEdgesInThem) {
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
+  std::vector<lattice::FineSpot> spots;
+  ASSERT_TRUE(lattice::add_spots(spots, {{1, 2, 3}}, m, 1));
+  ASSERT_EQ(spots.size(), 1U);
+  const auto fine = lattice::refined_at(m, spots);
+  EXPECT_DOUBLE_EQ(fine.edge_mm({1, 2, 3}), 1);
+  EXPECT_DOUBLE_EQ(fine.edge_mm({1, 2, 3 + 1.01 * spots[0].radius_mm}), 2);
+}
+
+TEST(Refine, SpotsThatAreCoveredAreNotAddedAgainButFinerOnes) {
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
+  std::vector<lattice::FineSpot> spots;
+  ASSERT_TRUE(lattice::add_spots(spots, {{0, 0, 0}, {0.1, 0, 0}}, m, 1));
+  EXPECT_EQ(spots.size(), 1U);
+  for (const double edge : {0.5, 0.25}) {
+    ASSERT_TRUE(lattice::add_spots(spots, {{0, 0, 0}}, m, 1));
+    EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).edge_mm({0, 0, 0}), edge);
+  }
+  EXPECT_FALSE(lattice::add_spots(spots, {{0, 0, 0}}, m, 1)) << "three halvings at most";
+}
+
+TEST(Refine, TheFinestEdgeIsThatOfTheSpots) {
+  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
+  m.edge_mm = [](const Vec3& p) { return p.x > 0 ? 8.0 : 1.5; };
+  m.finest_edge_mm = 1.5;
+  std::vector<lattice::FineSpot> spots;
+  ASSERT_TRUE(lattice::add_spots(spots, {{5, 0, 0}}, m, 2));
+  EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).finest_edge_mm, 1.5) << "8 / 4 is no finer";
+  ASSERT_TRUE(lattice::add_spots(spots, {{5, 0, 0}}, m, 1));
+  EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).finest_edge_mm, 1);
+}
+
+TEST(Refine, ACellOfAnotherRegionIsAStray) {
+  const auto m =
+      materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return std::min(5 - norm(p), p.z - 0.3); },
+                    [](const Vec3& p) { return std::min(5 - norm(p), 0.3 - p.z); }},
+                   8, 0.9);
+  auto c = mesh_of(m).complex;
+  std::vector<std::uint8_t> is_changed(c.cells.size(), 0);
+  EXPECT_TRUE(lattice::far_strays(c, m, ~0U, is_changed).empty());
+  const auto is_deep = [&](const Cell& cell) {
+    return std::all_of(cell.begin(), cell.end(), [&](auto n) { return c.at(n).z > 1.5 && norm(c.at(n)) < 3; });
+  };
+  const auto deep = static_cast<std::size_t>(std::find_if(c.cells.begin(), c.cells.end(), is_deep) - c.cells.begin());
+  ASSERT_LT(deep, c.cells.size());
+  c.label[deep] = 2;
+  is_changed[deep] = 1;
+  lattice::derive_touches(c);
+  EXPECT_EQ(lattice::far_strays(c, m, ~0U, is_changed).size(), 1U);
+  EXPECT_TRUE(lattice::far_strays(c, m, lattice::bit_of(3), is_changed).empty()) << "only of the labels asked for";
+}
+
+}  // namespace

@@ -1,0 +1,47 @@
+#include "generator/mesh/lattice_cells.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "generator/lattice/separate.hpp"
+#include "lattice/shapes.hpp"
+
+namespace {
+
+using namespace heart;
+using namespace heart::testing;
+
+Complex mesh_solid(const std::function<double(const Vec3&)>& inside, double half_mm, double edge_mm) {
+  auto m = materials_of({[](const Vec3&) { return 0.0; }, inside}, half_mm, edge_mm);
+  m.finest_edge_mm = edge_mm;
+  mesh::LabelSet solid{};
+  solid[1] = true;
+  return mesh::lattice_complex(m, std::span(&solid, 1), 30, nullptr, mesh::one_material);
+}
+
+// As cells of the wanted edge it would be a crumb, and go.
+TEST(LatticeCells, APocketNarrowerThanCellsIsKeptByShorterEdges) {
+  const Vec3 pocket{0.2, 0.1, -0.3};
+  const double radius = 0.75;
+  const auto c = mesh_solid([&](const Vec3& p) { return std::min(5 - norm(p), norm(p - pocket) - radius); }, 7, 1);
+  int faces = 0;
+  for (const auto& face : lattice::outer_faces(c))
+    for (const auto n : face)
+      if (norm(c.at(n) - pocket) < 2) {
+        ++faces;
+        EXPECT_NEAR(norm(c.at(n) - pocket), radius, 0.1);
+      }
+  EXPECT_GT(faces, 100);
+  EXPECT_NEAR(volume_of(c, 1), 4 * std::numbers::pi / 3 * (125 - radius * radius * radius), 4);
+}
+
+TEST(LatticeCells, WhatFitsIntoTheLatticeKeepsItsEdges) {
+  const auto c = mesh_solid([](const Vec3& p) { return 5 - norm(p); }, 7, 1);
+  const auto narrowest = *std::min_element(c.spacing_mm.begin(), c.spacing_mm.end());
+  const auto widest = *std::max_element(c.spacing_mm.begin(), c.spacing_mm.end());
+  EXPECT_GT(narrowest, 0.9F * widest);
+}
+
+}  // namespace

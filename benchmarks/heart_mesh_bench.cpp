@@ -40,23 +40,6 @@ double heart_edge_for(const LabelVolume& labels) {
   return std::cbrt(cells_per_cubed_edge * volume_mm3 / wall_cells);
 }
 
-/// Of the voxels of the solid that are not wholly on one side, the part that a plane at the centre's distance leaves.
-Volumes volumes_of_walls(const mesh::WallLevelSets& walls) {
-  const Grid& grid = walls.solid.grid;
-  const double width = std::cbrt(grid.voxel_volume_mm3());
-  Volumes volumes{};
-  std::size_t voxel = 0;
-  for (std::int64_t k = 0; k < grid.size[2]; ++k)
-    for (std::int64_t j = 0; j < grid.size[1]; ++j)
-      for (std::int64_t i = 0; i < grid.size[0]; ++i, ++voxel) {
-        const double share = std::clamp(0.5 - static_cast<double>(walls.solid.voxels[voxel]) / width, 0.0, 1.0);
-        if (share == 0) continue;
-        const Vec3 p = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-        volumes[mesh::nearest_wall(walls, p)] += share * grid.voxel_volume_mm3();
-      }
-  return volumes;
-}
-
 void add_time(Table& table, const char* bench, double time, double used, double cells) {
   table.push_back(
       {bench, "from level sets to labelled mesh", time, "s",
@@ -73,9 +56,9 @@ double add_walls(Table& table, const char* bench, const mesh::WallLevelSets& wal
   table.push_back({bench, "cells", cells / 1e6, "M", fmt::format("edges of {:.2f} mm", settings.heart_edge_mm)});
   add_time(table, bench, time, used, cells);
   add_quality(table, bench, mesh, report, {"at least 30", "at most 143"});
-  add_found_distances(table, bench, mesh, mesh::labels_of(walls),
-                      [&](const Vec3& p) { return mesh::wall_at(walls, p); });
-  add_regions(table, bench, mesh, volumes_of_walls(walls));
+  const auto label_at = [&](const Vec3& p) { return mesh::wall_at(walls, p); };
+  add_found_distances(table, bench, mesh, mesh::labels_of(walls), label_at);
+  add_regions(table, bench, mesh, volumes_of(walls.domain.grid, label_at));
   return cells / time;
 }
 
@@ -123,9 +106,9 @@ void add_heart(Table& table, const LabelVolume& labels) {
   table.push_back({bench, "of them in the walls", in_walls / 1e6, "M", "five regions; the thesis: 1.25"});
   add_time(table, bench, time, used, cells);
   add_quality(table, bench, mesh, report, {"at least 30", "at most 143"});
-  add_found_distances(table, bench, mesh, heart,
-                      [&](const Vec3& p) { return mesh::region_at(domain, index_from_lps(domain.grid, p)); });
-  add_regions(table, bench, mesh, volumes_of(domain));
+  const auto label_at = [&](const Vec3& p) { return mesh::region_at(domain, index_from_lps(domain.grid, p)); };
+  add_found_distances(table, bench, mesh, heart, label_at);
+  add_regions(table, bench, mesh, volumes_of(domain.grid, label_at));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "benchmarks/mesh_measures.hpp"
+#include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
 #include "validation/label_fidelity.hpp"
 
@@ -45,9 +46,51 @@ void add_found_distances(Table& table, const char* bench, const TetMesh& mesh, c
   }
 }
 
-Volumes volumes_of(const mesh::MeshDomain& domain) {
+Volumes volumes_of(const Grid& grid, const LabelAt& label_at) {
+  constexpr int parts = 5;  // of a voxel, along each axis
+  const auto& size = grid.size;
+  const auto label_of = [&](double i, double j, double k) {
+    return static_cast<std::uint8_t>(label_at(lps_from_index(grid, {i, j, k})));
+  };
+  LabelVolume centers(grid);
+  std::vector<Volumes> of_slice(static_cast<std::size_t>(size[2]), Volumes{});
+  const auto each_voxel = [&](const auto& visit) {
+    parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
+      for (auto k = begin; k < end; ++k)
+        for (std::int64_t j = 0; j < size[1]; ++j)
+          for (std::int64_t i = 0; i < size[0]; ++i) visit(Index3{i, j, k});
+    });
+  };
+  const auto is_inside_one = [&](const Index3& at) {
+    for (int step = 0; step < 27; ++step) {
+      const Index3 other{at[0] + step % 3 - 1, at[1] + step / 3 % 3 - 1, at[2] + step / 9 - 1};
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        if (other[axis] < 0 || other[axis] >= size[axis]) return false;
+      if (centers(other[0], other[1], other[2]) != centers(at[0], at[1], at[2])) return false;
+    }
+    return true;
+  };
+  each_voxel([&](const Index3& at) {
+    centers(at[0], at[1], at[2]) =
+        label_of(static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2]));
+  });
+  each_voxel([&](const Index3& at) {
+    auto& volumes = of_slice[static_cast<std::size_t>(at[2])];
+    if (is_inside_one(at)) {
+      volumes[centers(at[0], at[1], at[2])] += grid.voxel_volume_mm3();
+      return;
+    }
+    const auto place = [&](std::size_t axis, int part) {
+      return static_cast<double>(at[axis]) + (part + 0.5) / parts - 0.5;
+    };
+    for (int c = 0; c < parts; ++c)
+      for (int b = 0; b < parts; ++b)
+        for (int a = 0; a < parts; ++a)
+          volumes[label_of(place(0, a), place(1, b), place(2, c))] += grid.voxel_volume_mm3() / (parts * parts * parts);
+  });
   Volumes volumes{};
-  for (const auto voxel : domain.voxels) volumes[voxel] += domain.grid.voxel_volume_mm3();
+  for (const auto& slice : of_slice)
+    for (std::size_t r = 0; r < volumes.size(); ++r) volumes[r] += slice[r];
   return volumes;
 }
 

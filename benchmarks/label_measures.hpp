@@ -23,8 +23,8 @@ void add_found_distances(Table& table, const char* bench, const TetMesh& mesh, c
 
 using Volumes = std::array<double, 256>;  ///< mm3, by region tag
 
-/// The voxels whose centres a level set holds.
-Volumes volumes_of(const mesh::MeshDomain& domain);
+/// Of the regions of `label_at` on a grid: of voxels beside others, so many small ones whose centres lie in a region.
+Volumes volumes_of(const Grid& grid, const LabelAt& label_at);
 
 /// Cells and volume of each region, next to its level set's.
 void add_regions(Table& table, const char* bench, const TetMesh& mesh, const Volumes& level_set);

@@ -102,7 +102,10 @@ void add_torso(Table& table, const LabelVolume& labels) {
   made.domain = mesh::make_domain(labels, settings);
   add_quality(table, bench, made.mesh, made.report, {"at least 25", "at most 145"});
   add_distances(table, bench, made);
-  add_regions(table, bench, made.mesh, volumes_of(made.domain));
+  const auto label_at = [&](const Vec3& p) {
+    return mesh::region_at(made.domain, index_from_lps(made.domain.grid, p));
+  };
+  add_regions(table, bench, made.mesh, volumes_of(made.domain.grid, label_at));
 }
 
 void add_vessel(Table& table, const Mask& lumen, Region vessel, MeshSettings settings, const char* backend) {

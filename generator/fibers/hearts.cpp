@@ -19,8 +19,9 @@ using atlas::AxisTensor;
 using atlas::Part;
 using atlas::WallPoint;
 
-// The ventricles' fields are blended this far on either side of their junction, and turn evenly this far in a mesh.
-constexpr double blend_mm = 0.7, turn_mm = 1.5;
+// The ventricles' fields are blended this far on either side of their junction: a wall's own axes hold up to the other,
+// no farther than labels tell where that is. In a mesh they turn evenly this far.
+constexpr double blend_mm = 0.15, turn_mm = 1.5;
 
 /// The left ventricle's angles go around the long axis, the right one's around the middle of its own cavity.
 Both<Vec3> angle_centers(const atlas::Ventricles& ventricles) {

@@ -62,6 +62,32 @@ TEST(Junction, WallsMeetBetweenVoxelsWhereTheLabelsHaveIt) {
   for (int i = 6; i <= 14; ++i) EXPECT_NEAR(left_mm(i, 12, 12), meet_mm - i, 0.05) << i;
 }
 
+/// Two walls side by side, all of both known, that meet at `meet_mm` along x.
+fibers::Hearts walls_that_meet(double meet_mm) {
+  Grid grid;
+  grid.size = {20, 4, 4};
+  const Volume<float> half(grid, 0.5F);
+  const atlas::WallCoordinates known{Mask(grid, 1), half, Volume<float>(grid, 3.0F), Volume<Vec3>(grid, {0, 0, 1})};
+  fibers::Hearts hearts;
+  hearts.patient_walls = {known, known};
+  hearts.patient.frame.long_axis = {0, 1, 0};
+  hearts.left_of_junction_mm = Volume<float>(grid);
+  for (std::size_t v = 0; v < half.voxels.size(); ++v)
+    hearts.left_of_junction_mm.voxels[v] =
+        static_cast<float>(meet_mm - atlas::voxel_center(grid, static_cast<std::int64_t>(v)).x);
+  return hearts;
+}
+
+TEST(Junction, AWallKeepsItsOwnAxesUpToAFifthOfAMillimetreOfTheOther) {
+  constexpr double meet_mm = 10.3, near_mm = 0.2;
+  const std::vector<Vec3> points{{meet_mm - near_mm, 2, 2}, {meet_mm, 2, 2}, {meet_mm + near_mm, 2, 2}};
+  const auto walls = fibers::point_walls(walls_that_meet(meet_mm), points, {1, 1, 1});
+  EXPECT_EQ(walls.left_share[0], 1);
+  EXPECT_NEAR(walls.left_share[1], 0.5, 1e-3);
+  EXPECT_EQ(walls.left_share[2], 0);
+  for (const auto at_junction : walls.at_junction) EXPECT_TRUE(at_junction);
+}
+
 TEST(Junction, AnAtlasThatBendsIntoTheJunctionTurnsNoFibersOfAPatientWhoseWallDoesNot) {
   const auto model = datasets::make_heart_model(3);
   const auto marks = datasets::landmarks_of(model);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "generator/lattice/feature.hpp"
 #include "generator/parallel/gather.hpp"
@@ -92,8 +93,10 @@ Materials refined_at(const Materials& materials, const std::vector<FineSpot>& sp
   refined.edge_mm = [&materials, &spots](const Vec3& p) {
     return std::ldexp(materials.edge_mm(p), -halvings_at(spots, p));
   };
-  for (const auto& spot : spots)  // where the finest is not known (0), samples find it
-    refined.finest_edge_mm = std::min(refined.finest_edge_mm, refined.edge_mm(spot.center_mm));
+  // Halved until it is about as short as those in the spots: elsewhere the lattice stays as it was. (Where it is not
+  // known, 0, samples find it.)
+  for (const auto& spot : spots)
+    while (refined.finest_edge_mm > std::numbers::sqrt2 * refined.edge_mm(spot.center_mm)) refined.finest_edge_mm /= 2;
   return refined;
 }
 

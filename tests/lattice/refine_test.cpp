@@ -33,15 +33,19 @@ TEST(Refine, SpotsThatAreCoveredAreNotAddedAgainButFinerOnes) {
   EXPECT_FALSE(lattice::add_spots(spots, {{0, 0, 0}}, m, 1)) << "three halvings at most";
 }
 
-TEST(Refine, TheFinestEdgeIsThatOfTheSpots) {
+// Edges elsewhere may be no multiple of those in a spot: they stay as they are.
+TEST(Refine, ElsewhereTheLatticeStays) {
   auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
-  m.edge_mm = [](const Vec3& p) { return p.x > 0 ? 8.0 : 1.5; };
-  m.finest_edge_mm = 1.5;
+  m.edge_mm = [](const Vec3& p) { return p.x > 0 ? 1.4 : 1.2; };
+  m.finest_edge_mm = 1.2;
   std::vector<lattice::FineSpot> spots;
-  ASSERT_TRUE(lattice::add_spots(spots, {{5, 0, 0}}, m, 2));
-  EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).finest_edge_mm, 1.5) << "8 / 4 is no finer";
-  ASSERT_TRUE(lattice::add_spots(spots, {{5, 0, 0}}, m, 1));
-  EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).finest_edge_mm, 1);
+  ASSERT_TRUE(lattice::add_spots(spots, {{4, 0, 0}}, m, 2));
+  const auto fine = lattice::refined_at(m, spots);
+  EXPECT_DOUBLE_EQ(fine.finest_edge_mm, 0.3);
+  const auto far_from_spot = [](const Complex& c) {
+    return std::count_if(c.nodes_mm.begin(), c.nodes_mm.end(), [](const Vec3& p) { return p.x < -2; });
+  };
+  EXPECT_EQ(far_from_spot(lattice::stuff(fine, {})), far_from_spot(lattice::stuff(m, {})));
 }
 
 TEST(Refine, ACellOfAnotherRegionIsAStray) {

@@ -33,7 +33,8 @@ struct FineSpot {
 bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_mm, const Materials& materials,
                int halvings);
 
-/// The same materials with shorter edges in the spots. Both must outlive the result.
+/// The same materials with shorter edges in the spots, as far as an octree of the whole box has room for them. Both
+/// must outlive the result.
 Materials refined_at(const Materials& materials, const std::vector<FineSpot>& spots);
 
 }  // namespace heart::lattice

@@ -146,17 +146,17 @@ void finish(Attempt& made, const Task& task) {
 
 // Where labels do not fit into the lattice, edges become shorter.
 lattice::Complex stuff_and_settle(Task& task, double reach) {
-  constexpr int most_rounds = 1;
   lattice::StuffSettings stuffing;
   stuffing.edge_reach = reach;
-  for (int round = 0;; ++round) {
+  for (bool is_last = !task.aims.refines;; is_last = true) {
     auto complex = lattice::stuff(lattice::refined_at(*task.wanted, task.spots), stuffing);
     task.watch->note("stuff");
     const auto is_changed = settle_cells(complex, task.manifold_sets, task.crumb_cells);
-    const auto strays = lattice::far_strays(complex, *task.wanted, task.aims.fitted, is_changed);
+    const auto strays =
+        is_last ? std::vector<Vec3>{} : lattice::far_strays(complex, *task.wanted, task.aims.fitted, is_changed);
     lattice::compress(complex);
     task.watch->note("settle");
-    if (round == most_rounds || !lattice::add_spots(task.spots, strays, *task.wanted, 1)) return complex;
+    if (!lattice::add_spots(task.spots, strays, *task.wanted, 1)) return complex;
   }
 }
 
@@ -206,11 +206,20 @@ lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<
   StepWatch watch{report};
   Task task{&materials, {}, manifold_sets, crumb_cells, aims, {}, &watch};
   Attempt best;
-  for (const double reach : reaches) {
+  const auto is_enough_with = [&](double reach) {
     auto made = attempt(task, reach);
     if (is_better(made, best)) best = std::move(made);
-    if (best.meeting == 0 && best.worst >= aims.enough) break;
+    return best.meeting == 0 && best.worst >= aims.enough;
+  };
+  bool is_enough = is_enough_with(reaches[0]);
+  if (!is_enough && !task.spots.empty()) {  // what shorter edges bring out may be too narrow even for them
+    task.spots.clear();
+    task.aims.refines = false;
+    is_enough = is_enough_with(reaches[0]);
+  }
+  for (std::size_t i = 1; i < reaches.size() && !is_enough; ++i) {
     lattice::add_spots(task.spots, places_of_meeting(best.complex), materials, 2);
+    is_enough = is_enough_with(reaches[i]);
   }
   if (!best.is_finished) finish(best, task);
   if (report != nullptr) report->cells_below_goal = best.below_goal;

@@ -48,6 +48,14 @@ TEST(Refine, ElsewhereTheLatticeStays) {
   EXPECT_EQ(far_from_spot(lattice::stuff(fine, {})), far_from_spot(lattice::stuff(m, {})));
 }
 
+TEST(Refine, ALargeBoxOfFineCellsIsNotMadeFiner) {
+  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 200, 1);
+  m.finest_edge_mm = 1;
+  std::vector<lattice::FineSpot> spots;
+  ASSERT_TRUE(lattice::add_spots(spots, {{4, 0, 0}}, m, 1));
+  EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).finest_edge_mm, 1);
+}
+
 TEST(Refine, ACellOfAnotherRegionIsAStray) {
   const auto m =
       materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return std::min(5 - norm(p), p.z - 0.3); },

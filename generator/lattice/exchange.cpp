@@ -248,6 +248,7 @@ bool keeps_topology(const Contacts& contacts, int own, int other) {
   return true;
 }
 
+// Around a frozen node there may be cells that are not seen.
 bool has_frozen_node(const Complex& c, const Cell& cell) {
   return std::any_of(cell.begin(), cell.end(), [&](auto n) { return c.is_frozen(n); });
 }
@@ -265,7 +266,11 @@ void give_label(Complex& c, std::int32_t id, int label) {
 
 // The outside has no cells to look at, and need not: what a set keeps, its complement keeps too.
 bool relabel(Complex& c, std::int32_t id, int label) {
-  if (has_frozen_node(c, c.cell(id)) || !keeps_topology(contacts_of(c, id), c.label_of(id), label)) return false;
+  if (has_frozen_node(c, c.cell(id))) return false;
+  const auto contacts = contacts_of(c, id);
+  const auto* end = contacts.labels.begin() + contacts.count;
+  if (std::find(contacts.labels.begin(), end, label) == end || !keeps_topology(contacts, c.label_of(id), label))
+    return false;
   give_label(c, id, label);
   return true;
 }

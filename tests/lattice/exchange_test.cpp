@@ -92,4 +92,22 @@ TEST(RelabelTip, NotWhereAMaterialWouldBeJoinedOrParted) {
   EXPECT_EQ(c.label_of(cell), 1);
 }
 
+TEST(Relabel, OnlyToALabelOfTheNeighbours) {
+  auto [c, cell] = tip_between(1);
+  ASSERT_GE(cell, 0);
+  EXPECT_FALSE(lattice::relabel(c, cell, 9)) << "it would be an island";
+  EXPECT_TRUE(lattice::relabel(c, cell, 2));
+  EXPECT_EQ(c.label_of(cell), 2);
+}
+
+TEST(Relabel, NotWhereMoreMaterialsMeetThanAreLookedAt) {
+  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 7, 1);
+  auto c = lattice::stuff(m, {});
+  lattice::compress(c);
+  for (std::size_t t = 0; t < c.cells.size(); ++t) c.label[t] = static_cast<std::uint8_t>(1 + t % 20);
+  lattice::derive_touches(c);
+  for (std::int32_t t = 0; t < 200; ++t)
+    if (is_deep_inside(c, t)) EXPECT_FALSE(lattice::relabel(c, t, c.label_of(t) % 20 + 1)) << t;
+}
+
 }  // namespace

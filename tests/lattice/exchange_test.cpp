@@ -106,8 +106,10 @@ TEST(Relabel, NotWhereMoreMaterialsMeetThanAreLookedAt) {
   lattice::compress(c);
   for (std::size_t t = 0; t < c.cells.size(); ++t) c.label[t] = static_cast<std::uint8_t>(1 + t % 20);
   lattice::derive_touches(c);
-  for (std::int32_t t = 0; t < 200; ++t)
-    if (is_deep_inside(c, t)) EXPECT_FALSE(lattice::relabel(c, t, c.label_of(t) % 20 + 1)) << t;
+  for (std::int32_t t = 0; t < 200; ++t) {
+    if (!is_deep_inside(c, t)) continue;
+    EXPECT_FALSE(lattice::relabel(c, t, c.label_of(t) % 20 + 1)) << t;
+  }
 }
 
 }  // namespace

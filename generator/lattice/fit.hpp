@@ -1,6 +1,7 @@
 // Faces that leave their surface: where a surface has a crease or a bend narrower than an edge, all nodes of a face can
-// lie on it while its middle does not; and nodes can be off the curve where their regions meet. Such places are divided
-// and repaired apart from the rest, in several ways, and the best outcome is put back.
+// lie on it while its middle does not; and nodes can be off the curve where their regions meet, or on a tail beyond the
+// end of their region. Such places are divided and repaired apart from the rest, in several ways, and the best outcome
+// is put back.
 #pragma once
 #include <cstdint>
 
@@ -11,7 +12,7 @@
 namespace heart::lattice {
 
 struct FitSettings {
-  double aim = 0.29;       ///< distance of a face's centre and nodes from their surfaces, in its mean edges
+  double aim = 0.29;       ///< distance of a face's centre and nodes from their surfaces and regions, in its edges
   double enough = 0.5116;  ///< quality that the cells at such places must keep
   LabelBits labels = ~0U;  ///< only surfaces of these
   double most_work = 0.1;  ///< cells repaired at all places and tries together, over the mesh's cells (or 1.5 million),

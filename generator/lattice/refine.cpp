@@ -90,12 +90,12 @@ bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_
 
 Materials refined_at(const Materials& materials, const std::vector<FineSpot>& spots) {
   auto refined = materials;
-  if (spots.empty()) return refined;
+  if (spots.empty() || materials.finest_edge_mm <= 0) return refined;
   refined.edge_mm = [&materials, &spots](const Vec3& p) {
     return std::ldexp(materials.edge_mm(p), -halvings_at(spots, p));
   };
   // Halved until it is about as short as those in the spots: elsewhere the lattice stays as it was. But an octree has
-  // an entry for each of the finest cells that the box has room for. (Where it is not known, 0, samples find it.)
+  // an entry for each of the finest cells that the box has room for.
   constexpr double most_finest_cells = 5e7;
   const Vec3 box = materials.box_max_mm - materials.box_min_mm;
   const auto has_room = [&](double finest_mm) {

@@ -8,6 +8,7 @@
 
 namespace heart::lattice {
 
+/// Whether one of its nodes touches one label only.
 bool has_free_node(const Complex& complex, std::int32_t cell);
 
 /// The label at the centre of a cell that has its own nowhere in it; else its own.
@@ -33,8 +34,8 @@ struct FineSpot {
 bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_mm, const Materials& materials,
                int halvings);
 
-/// The same materials with shorter edges in the spots, as far as an octree of the whole box has room for them. Both
-/// must outlive the result.
+/// The same materials with shorter edges in the spots, as far as an octree of the whole box has room for them, and
+/// unchanged where the finest edge is not known. Both must outlive the result.
 Materials refined_at(const Materials& materials, const std::vector<FineSpot>& spots);
 
 }  // namespace heart::lattice

@@ -59,14 +59,7 @@ TEST(Fit, FacesInAGrooveGetNearToTheirSurface) {
 // A ball of two halves. A node of the curve that is off the plane between them lies on the sphere still, and faces
 // around it hardly leave theirs.
 TEST(Fit, NodesComeBackToTheirCurve) {
-  const auto m = materials_of({[](const Vec3&) { return 0.0; },
-                               [](const Vec3& p) {
-                                 return std::min(5 - norm(p - Vec3{0.1, 0.2, 0.3}), p.z - 0.3);
-                               },
-                               [](const Vec3& p) {
-                                 return std::min(5 - norm(p - Vec3{0.1, 0.2, 0.3}), 0.3 - p.z);
-                               }},
-                              8, 0.9);
+  const auto m = ball_of_two_halves({0.1, 0.2, 0.3});
   auto c = mesh_of(m).complex;
   const Vec3 middle{0.1, 0.2, 0.3};
   const auto is_on_curve = [&](std::int32_t n) {
@@ -134,10 +127,7 @@ TEST(Fit, SameBitsForAnyNumberOfThreads) {
 
 // Where a region ends in a tail beyond its end, distances to first order are small: only the labels tell.
 TEST(Fit, TailsGoBackToTheirRegion) {
-  const auto m =
-      materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return std::min(5 - norm(p), p.z - 0.3); },
-                    [](const Vec3& p) { return std::min(5 - norm(p), 0.3 - p.z); }},
-                   8, 0.9);
+  const auto m = ball_of_two_halves();
   auto c = mesh_of(m).complex;
   const auto center = [&](std::size_t t) {
     const Cell& cell = c.cells[t];

@@ -12,7 +12,8 @@ using namespace heart;
 using namespace heart::testing;
 
 TEST(Refine, SpotsHalveTheEdgesInThem) {
-  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
+  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
+  m.finest_edge_mm = 2;
   std::vector<lattice::FineSpot> spots;
   ASSERT_TRUE(lattice::add_spots(spots, {{1, 2, 3}}, m, 1));
   ASSERT_EQ(spots.size(), 1U);
@@ -22,7 +23,8 @@ TEST(Refine, SpotsHalveTheEdgesInThem) {
 }
 
 TEST(Refine, SpotsThatAreCoveredAreNotAddedAgainButFinerOnes) {
-  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
+  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
+  m.finest_edge_mm = 2;
   std::vector<lattice::FineSpot> spots;
   ASSERT_TRUE(lattice::add_spots(spots, {{0, 0, 0}, {0.1, 0, 0}}, m, 1));
   EXPECT_EQ(spots.size(), 1U);
@@ -56,11 +58,16 @@ TEST(Refine, ALargeBoxOfFineCellsIsNotMadeFiner) {
   EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).finest_edge_mm, 1);
 }
 
+// Samples could find that of a spot, and make an octree of it that no machine holds.
+TEST(Refine, WithoutAKnownFinestEdgeNothingChanges) {
+  const auto m = ball_of_two_halves();
+  std::vector<lattice::FineSpot> spots;
+  ASSERT_TRUE(lattice::add_spots(spots, {{4, 0, 0}}, m, 3));
+  EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).edge_mm({4, 0, 0}), 0.9);
+}
+
 TEST(Refine, ACellOfAnotherRegionIsAStray) {
-  const auto m =
-      materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return std::min(5 - norm(p), p.z - 0.3); },
-                    [](const Vec3& p) { return std::min(5 - norm(p), 0.3 - p.z); }},
-                   8, 0.9);
+  const auto m = ball_of_two_halves();
   auto c = mesh_of(m).complex;
   std::vector<std::uint8_t> is_changed(c.cells.size(), 0);
   EXPECT_TRUE(lattice::far_strays(c, m, ~0U, is_changed).empty());

@@ -62,6 +62,14 @@ inline Materials materials_of(const Fields& fields, double half_mm, double edge_
   return m;
 }
 
+/// Material 1 above z = 0.3, material 2 below it, in a ball of 5 mm.
+inline Materials ball_of_two_halves(const Vec3& center = {}) {
+  return materials_of(
+      {[](const Vec3&) { return 0.0; }, [center](const Vec3& p) { return std::min(5 - norm(p - center), p.z - 0.3); },
+       [center](const Vec3& p) { return std::min(5 - norm(p - center), 0.3 - p.z); }},
+      8, 0.9);
+}
+
 inline std::array<double, 2> dihedral_range(const Complex& c) {
   std::array<double, 2> range{180, 0};
   for (const auto& cell : c.cells) {

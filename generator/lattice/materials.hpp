@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "model/vec.hpp"
 
@@ -21,6 +22,13 @@ struct Equation {
 };
 constexpr std::size_t most_equations = 6;
 
+/// A ball in which edges are shorter.
+struct FineSpot {
+  Vec3 center_mm;
+  double radius_mm = 0;
+  int halvings = 1;  ///< of the edges that are wanted there
+};
+
 /// Where each material is. Interfaces are where `label_at` changes; nothing may depend on the order of the calls,
 /// which come from several threads.
 struct Materials {
@@ -30,7 +38,8 @@ struct Materials {
   /// The surfaces on which a point where all of `labels` meet lies, as equations at a nearby point: one less than
   /// there are labels. Returns how many of `equations` were written.
   std::function<int(LabelBits labels, const Vec3& point, std::span<Equation> equations)> equations_at;
-  double finest_edge_mm = 0;  ///< the least of edge_mm where it is known, else 0
+  double finest_edge_mm = 0;    ///< the least of edge_mm where it is known, else 0
+  std::vector<FineSpot> spots;  ///< where edges are shorter than edge_mm
 };
 
 }  // namespace heart::lattice

@@ -2,22 +2,28 @@
 
 #include <array>
 
+#include "generator/lattice/shared_marks.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::lattice {
 namespace {
 
+// Every corner of a leaf is the first of the leaf over it, or no leaf's first.
 void label_corners(const Octree& tree, const std::function<int(const Vec3&)>& label_at, NearLeaves& near) {
   near.corner_label.resize(tree.corner_offset({0, 0, tree.size[2] + 1}));
-  parallel::parallel_for(0, tree.size[2] + 1, [&](std::int64_t begin, std::int64_t end) {
-    for (auto k = static_cast<std::int32_t>(begin); k < end; ++k)
-      for (std::int32_t j = 0; j <= tree.size[1]; ++j)
-        for (std::int32_t i = 0; i <= tree.size[0]; ++i) {
-          if (!is_leaf_corner(tree, {i, j, k})) continue;
-          const Vec3 at = tree.position_mm({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-          near.corner_label[tree.corner_offset({i, j, k})] = static_cast<std::uint8_t>(label_at(at));
-        }
+  const auto is_first = [&](const Place& at) { return tree.contains(at) && tree.leaf_over(at).low == at; };
+  parallel::parallel_for(0, static_cast<std::int64_t>(tree.leaves.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto l = static_cast<std::size_t>(begin); l < static_cast<std::size_t>(end); ++l) {
+      const Leaf& leaf = tree.leaves[l];
+      for (std::int32_t corner = 0; corner < 8; ++corner) {
+        const Place at = corner_of(leaf, corner);
+        if (corner != 0 && is_first(at)) continue;
+        const Vec3 position =
+            tree.position_mm({static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])});
+        set_to(near.corner_label[tree.corner_offset(at)], static_cast<std::uint8_t>(label_at(position)));
+      }
+    }
   });
 }
 
@@ -62,7 +68,7 @@ void label_leaves(const Octree& tree, const std::function<int(const Vec3&)>& lab
 }
 
 // Leaves that share a corner with one, half-way corners included, or only those that share a face.
-void collect_around(const Octree& tree, const Leaf& leaf, bool only_faces, const NearLeaves& near,
+void collect_around(const Octree& tree, const Leaf& leaf, Sharing sharing, const NearLeaves& near,
                     std::vector<Leaf>& found) {
   const std::int32_t width = 1 << leaf.level;
   const std::array<std::int32_t, 4> steps{-1, width, 0, width / 2};
@@ -71,7 +77,7 @@ void collect_around(const Octree& tree, const Leaf& leaf, bool only_faces, const
     for (std::size_t j = 0; j < different; ++j)
       for (std::size_t i = 0; i < different; ++i) {
         const int outside = static_cast<int>(i < 2) + static_cast<int>(j < 2) + static_cast<int>(k < 2);
-        if (outside == 0 || (only_faces && outside > 1)) continue;
+        if (outside == 0 || (sharing == Sharing::face && outside > 1)) continue;
         const Place beside{leaf.low[0] + steps[i], leaf.low[1] + steps[j], leaf.low[2] + steps[k]};
         if (!tree.contains(beside)) continue;
         const Leaf other = tree.leaf_over(beside);
@@ -79,13 +85,15 @@ void collect_around(const Octree& tree, const Leaf& leaf, bool only_faces, const
       }
 }
 
-// Makes what lies around some leaves near; returns what was not.
-std::vector<Leaf> add_around(const Octree& tree, const std::vector<Leaf>& leaves, bool only_faces, NearLeaves& near) {
-  auto found = parallel::gather<Leaf>(
-      0, static_cast<std::int64_t>(leaves.size()), [&](std::int64_t begin, std::int64_t end, std::vector<Leaf>& own) {
-        for (auto l = begin; l < end; ++l)
-          collect_around(tree, leaves[static_cast<std::size_t>(l)], only_faces, near, own);
-      });
+}  // namespace
+
+std::vector<Leaf> add_leaves_around(const Octree& tree, const std::vector<Leaf>& leaves, Sharing sharing,
+                                    NearLeaves& near) {
+  auto found = parallel::gather<Leaf>(0, static_cast<std::int64_t>(leaves.size()),
+                                      [&](std::int64_t begin, std::int64_t end, std::vector<Leaf>& own) {
+                                        for (auto l = begin; l < end; ++l)
+                                          collect_around(tree, leaves[static_cast<std::size_t>(l)], sharing, near, own);
+                                      });
   std::erase_if(found, [&](const Leaf& leaf) {
     auto& is_near = near.is_near[tree.offset(leaf.low)];
     const bool was_near = is_near != 0;
@@ -95,8 +103,6 @@ std::vector<Leaf> add_around(const Octree& tree, const std::vector<Leaf>& leaves
   return found;
 }
 
-}  // namespace
-
 NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at) {
   NearLeaves near;
   label_corners(tree, label_at, near);
@@ -104,9 +110,9 @@ NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>
   std::vector<Leaf> labelled;
   for (const auto& leaf : tree.leaves)
     if (near.is_near[tree.offset(leaf.low)] != 0) labelled.push_back(leaf);
-  const auto beside = add_around(tree, labelled, true, near);
-  add_around(tree, beside, true, near);
-  add_around(tree, labelled, false, near);
+  const auto beside = add_leaves_around(tree, labelled, Sharing::face, near);
+  add_leaves_around(tree, beside, Sharing::face, near);
+  add_leaves_around(tree, labelled, Sharing::corner, near);
   return near;
 }
 

@@ -24,4 +24,11 @@ struct NearLeaves {
 /// called from several threads.
 NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at);
 
+/// What leaves have in common.
+enum class Sharing { corner, face };
+
+/// Makes those leaves near that share something with some; returns which were not.
+std::vector<Leaf> add_leaves_around(const Octree& tree, const std::vector<Leaf>& leaves, Sharing sharing,
+                                    NearLeaves& near);
+
 }  // namespace heart::lattice

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "generator/parallel/threads.hpp"
 
@@ -29,18 +30,38 @@ int root_level(const Vec3& box_mm, double cell_mm) {
   return level;
 }
 
-Level finest_level(const Octree& tree, int root, double cell_mm, const std::function<double(const Vec3&)>& edge_mm) {
-  Level level{tree.size, std::vector<std::uint8_t>(tree.level.size())};
-  parallel::parallel_for(0, tree.size[2], [&](std::int64_t begin, std::int64_t end) {
+/// The level of cells, counted from cells `cell_mm` wide, whose lattice has edges of about a length.
+int level_of(double edge_mm, double cell_mm, int root) {
+  const double ratio = edge_mm / (mean_edge_per_cell * cell_mm);
+  int allowed = 0;
+  for (double limit = 1.41; allowed < root && ratio > limit; limit *= 2) ++allowed;
+  return allowed;
+}
+
+/// The box in cells of one size, and what is asked of it.
+struct Request {
+  Place size;      // of the box in cells
+  Vec3 step_mm;    // of the cells
+  double cell_mm;  // the same, before rounding
+  int root;        // level of the root cells above these
+  Vec3 origin_mm;
+  const std::function<double(const Vec3&)>* edge_mm;
+};
+
+Vec3 center_of(const Request& r, std::int32_t i, std::int32_t j, std::int32_t k) {
+  return r.origin_mm + Vec3{(i + 0.5) * r.step_mm.x, (j + 0.5) * r.step_mm.y, (k + 0.5) * r.step_mm.z};
+}
+
+Level finest_level(const Request& r) {
+  Level level{r.size, {}};
+  level.finest.resize(static_cast<std::size_t>(r.size[0]) * static_cast<std::size_t>(r.size[1]) *
+                      static_cast<std::size_t>(r.size[2]));
+  parallel::parallel_for(0, r.size[2], [&](std::int64_t begin, std::int64_t end) {
     for (auto k = static_cast<std::int32_t>(begin); k < end; ++k)
-      for (std::int32_t j = 0; j < tree.size[1]; ++j)
-        for (std::int32_t i = 0; i < tree.size[0]; ++i) {
-          const Vec3 center{(i + 0.5) * tree.step_mm.x, (j + 0.5) * tree.step_mm.y, (k + 0.5) * tree.step_mm.z};
-          const double ratio = edge_mm(tree.origin_mm + center) / (mean_edge_per_cell * cell_mm);
-          int allowed = 0;
-          for (double limit = 1.41; allowed < root && ratio > limit; limit *= 2) ++allowed;
-          level.at(i, j, k) = static_cast<std::uint8_t>(allowed);
-        }
+      for (std::int32_t j = 0; j < r.size[1]; ++j)
+        for (std::int32_t i = 0; i < r.size[0]; ++i)
+          level.at(i, j, k) =
+              static_cast<std::uint8_t>(level_of((*r.edge_mm)(center_of(r, i, j, k)), r.cell_mm, r.root));
   });
   return level;
 }
@@ -55,6 +76,71 @@ Level coarser(Level& fine) {
         value = std::min(value, fine.at(i, j, k));
       }
   return coarse;
+}
+
+// How often the finest cells are halved so that they are about as short as the spots wish.
+int extra_levels(const Request& r, const std::vector<FineSpot>& spots) {
+  constexpr double most_finest_cells = 5e7;
+  const double cells = static_cast<double>(r.size[0]) * r.size[1] * r.size[2];
+  int extra = 0;
+  for (const auto& spot : spots) {
+    const double wanted = std::ldexp((*r.edge_mm)(spot.center_mm), -spot.halvings) / mean_edge_per_cell;
+    while (std::ldexp(r.cell_mm, -extra) > std::numbers::sqrt2 * wanted &&
+           std::ldexp(cells, 3 * (extra + 1)) < most_finest_cells)
+      ++extra;
+  }
+  return extra;
+}
+
+Request halved(const Request& r, int times) {
+  Request fine = r;
+  for (auto& size : fine.size) size <<= times;
+  fine.step_mm = std::ldexp(1.0, -times) * r.step_mm;
+  fine.cell_mm = std::ldexp(r.cell_mm, -times);
+  fine.root += times;
+  return fine;
+}
+
+// Only the finest cells in a spot are looked at: of all of the box there may be many more. Those of level 0 need no
+// entry: they are never divided.
+void lower_in_spot(std::vector<Level>& levels, const Request& r, const FineSpot& spot) {
+  Place low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double center = (spot.center_mm[axis] - r.origin_mm[axis]) / r.step_mm[axis],
+                 reach = spot.radius_mm / r.step_mm[axis];
+    low[a] = std::max(0, static_cast<std::int32_t>(std::floor(center - reach)));
+    high[a] = std::min(r.size[a], static_cast<std::int32_t>(std::ceil(center + reach)));
+  }
+  for (std::int32_t k = low[2]; k < high[2]; ++k)
+    for (std::int32_t j = low[1]; j < high[1]; ++j)
+      for (std::int32_t i = low[0]; i < high[0]; ++i) {
+        const Vec3 center = center_of(r, i, j, k), way = center - spot.center_mm;
+        if (dot(way, way) >= spot.radius_mm * spot.radius_mm) continue;
+        const auto wanted =
+            static_cast<std::uint8_t>(level_of(std::ldexp((*r.edge_mm)(center), -spot.halvings), r.cell_mm, r.root));
+        for (int number = 1; number <= r.root; ++number) {
+          auto& value = levels[static_cast<std::size_t>(number)].at(i >> number, j >> number, k >> number);
+          value = std::min(value, wanted);
+        }
+      }
+}
+
+// Of the cells of all levels, finest first; none of level 0 where there are spots.
+std::vector<Level> make_levels(const Request& coarsest, const Request& finest, const std::vector<FineSpot>& spots) {
+  std::vector<Level> levels{finest_level(coarsest)};
+  for (int number = 1; number <= coarsest.root; ++number) levels.push_back(coarser(levels.back()));
+  const int extra = finest.root - coarsest.root;
+  for (auto& level : levels)
+    for (auto& value : level.finest) value = static_cast<std::uint8_t>(value + extra);
+  for (int number = extra - 1; number >= 0; --number) {
+    const Place size{finest.size[0] >> number, finest.size[1] >> number, finest.size[2] >> number};
+    const auto cells =
+        static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+    levels.insert(levels.begin(), {size, std::vector<std::uint8_t>(number > 0 ? cells : 0, extra)});
+  }
+  for (const auto& spot : spots) lower_in_spot(levels, finest, spot);
+  return levels;
 }
 
 // Where a cell is divided, its 18 neighbours exist: their parents are divided too.
@@ -76,8 +162,7 @@ void divide_parents(Level& level, Level& parents, int number) {
 }
 
 void add_leaves(Octree& tree, std::vector<Level>& levels, const Place& cell, int number) {
-  auto& level = levels[static_cast<std::size_t>(number)];
-  if (level.at(cell[0], cell[1], cell[2]) < number) {
+  if (number > 0 && levels[static_cast<std::size_t>(number)].at(cell[0], cell[1], cell[2]) < number) {
     for (std::int32_t child = 0; child < 8; ++child)
       add_leaves(tree, levels,
                  {2 * cell[0] + (child & 1), 2 * cell[1] + ((child >> 1) & 1), 2 * cell[2] + (child >> 2)}, number - 1);
@@ -105,27 +190,26 @@ bool is_leaf_corner(const Octree& tree, const Place& at) {
 }
 
 Octree make_octree(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,
-                   const std::function<double(const Vec3&)>& edge_mm) {
-  const double cell_mm = finest_edge_mm / mean_edge_per_cell;
+                   const std::function<double(const Vec3&)>& edge_mm, const std::vector<FineSpot>& spots) {
   const Vec3 box = box_max_mm - box_min_mm;
-  const int root = root_level(box, cell_mm);
-  const std::int32_t width = 1 << root;
-  Octree tree;
-  tree.origin_mm = box_min_mm;
+  Request wanted{{}, {}, finest_edge_mm / mean_edge_per_cell, 0, box_min_mm, &edge_mm};
+  wanted.root = root_level(box, wanted.cell_mm);
   for (int axis = 0; axis < 3; ++axis) {
-    const auto roots = std::max<std::int64_t>(1, std::llround(box[axis] / (cell_mm * width)));
-    tree.size[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(roots) * width;
-    tree.step_mm[axis] = box[axis] / static_cast<double>(tree.size[static_cast<std::size_t>(axis)]);
+    const auto a = static_cast<std::size_t>(axis);
+    const auto roots = std::max<std::int64_t>(1, std::llround(box[axis] / std::ldexp(wanted.cell_mm, wanted.root)));
+    wanted.size[a] = static_cast<std::int32_t>(roots << wanted.root);
+    wanted.step_mm[axis] = box[axis] / static_cast<double>(wanted.size[a]);
   }
+  const auto finest = halved(wanted, extra_levels(wanted, spots));
+  Octree tree{box_min_mm, finest.step_mm, finest.size, {}, {}};
   tree.level.resize(tree.offset({0, 0, tree.size[2]}));
-  std::vector<Level> levels{finest_level(tree, root, cell_mm, edge_mm)};
-  for (int number = 1; number <= root; ++number) levels.push_back(coarser(levels.back()));
-  for (int number = 1; number < root; ++number)
+  auto levels = make_levels(wanted, finest, spots);
+  for (int number = 1; number < finest.root; ++number)
     divide_parents(levels[static_cast<std::size_t>(number)], levels[static_cast<std::size_t>(number) + 1], number);
-  const Place roots{tree.size[0] / width, tree.size[1] / width, tree.size[2] / width};
-  for (std::int32_t k = 0; k < roots[2]; ++k)
-    for (std::int32_t j = 0; j < roots[1]; ++j)
-      for (std::int32_t i = 0; i < roots[0]; ++i) add_leaves(tree, levels, {i, j, k}, root);
+  const int root = finest.root;
+  for (std::int32_t k = 0; k < finest.size[2] >> root; ++k)
+    for (std::int32_t j = 0; j < finest.size[1] >> root; ++j)
+      for (std::int32_t i = 0; i < finest.size[0] >> root; ++i) add_leaves(tree, levels, {i, j, k}, root);
   return tree;
 }
 

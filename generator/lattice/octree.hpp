@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "model/vec.hpp"
+#include "generator/lattice/materials.hpp"
 
 namespace heart::lattice {
 
@@ -17,6 +17,12 @@ struct Leaf {
   Place low;
   std::int32_t level = 0;
 };
+
+/// Corner 0 is the first, `low`; bits 0 to 2 tell the upper ones along x, y, z.
+inline Place corner_of(const Leaf& leaf, std::int32_t corner) {
+  return {leaf.low[0] + ((corner & 1) << leaf.level), leaf.low[1] + ((corner >> 1 & 1) << leaf.level),
+          leaf.low[2] + ((corner >> 2) << leaf.level)};
+}
 
 struct Octree {
   Vec3 origin_mm;                   ///< lower corner of the box
@@ -60,8 +66,10 @@ constexpr double mean_edge_per_cell = 0.9235;
 constexpr double cells_per_cube = 13.5;
 
 /// Leaves are as large as `edge_mm` allows: the mean edge of the lattice is about it, between 0.7 and 1.4 of it.
-/// `finest_edge_mm` is the smallest value of edge_mm.
+/// `finest_edge_mm` is the smallest value of edge_mm. In the spots edges are halved, as far as there is
+/// room for an entry for each finest cell of the box; elsewhere leaves are what they are without spots, but for the
+/// grading around these.
 Octree make_octree(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,
-                   const std::function<double(const Vec3&)>& edge_mm);
+                   const std::function<double(const Vec3&)>& edge_mm, const std::vector<FineSpot>& spots = {});
 
 }  // namespace heart::lattice

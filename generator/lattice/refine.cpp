@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "generator/lattice/feature.hpp"
-#include "generator/lattice/octree.hpp"
 #include "generator/parallel/gather.hpp"
 
 namespace heart::lattice {
@@ -86,26 +84,6 @@ bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_
   if (all.size() == spots.size() || all.size() > most_spots) return false;
   spots = std::move(all);
   return true;
-}
-
-Materials refined_at(const Materials& materials, const std::vector<FineSpot>& spots) {
-  auto refined = materials;
-  if (spots.empty() || materials.finest_edge_mm <= 0) return refined;
-  refined.edge_mm = [&materials, &spots](const Vec3& p) {
-    return std::ldexp(materials.edge_mm(p), -halvings_at(spots, p));
-  };
-  // Halved until it is about as short as those in the spots: elsewhere the lattice stays as it was. But an octree has
-  // an entry for each of the finest cells that the box has room for.
-  constexpr double most_finest_cells = 5e7;
-  const Vec3 box = materials.box_max_mm - materials.box_min_mm;
-  const auto has_room = [&](double finest_mm) {
-    return box.x * box.y * box.z / std::pow(finest_mm / mean_edge_per_cell, 3) < most_finest_cells;
-  };
-  for (const auto& spot : spots)
-    while (refined.finest_edge_mm > std::numbers::sqrt2 * refined.edge_mm(spot.center_mm) &&
-           has_room(refined.finest_edge_mm / 2))
-      refined.finest_edge_mm /= 2;
-  return refined;
 }
 
 }  // namespace heart::lattice

@@ -21,21 +21,10 @@ int label_if_stray(const Complex& complex, const Materials& materials, std::int3
 std::vector<Vec3> far_strays(const Complex& complex, const Materials& materials, LabelBits labels,
                              const std::vector<std::uint8_t>& is_changed);
 
-/// A ball in which edges are shorter.
-struct FineSpot {
-  Vec3 center_mm;
-  double radius_mm = 0;
-  int halvings = 1;  ///< of the edges that the materials wish
-};
-
 /// Adds a spot of a few edges around each position, so much finer than it is there already (three halvings at most),
 /// but where another one of the kind covers it well. Returns whether there are more spots now; none are added beyond a
 /// number at which the whole would have to be finer.
 bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_mm, const Materials& materials,
                int halvings);
-
-/// The same materials with shorter edges in the spots, as far as an octree of the whole box has room for them, and
-/// unchanged where the finest edge is not known. Both must outlive the result.
-Materials refined_at(const Materials& materials, const std::vector<FineSpot>& spots);
 
 }  // namespace heart::lattice

@@ -9,7 +9,7 @@
 
 #include "generator/lattice/background.hpp"
 #include "generator/lattice/feature.hpp"
-#include "generator/lattice/near_leaves.hpp"
+#include "generator/lattice/lay.hpp"
 #include "generator/lattice/quality.hpp"
 #include "generator/lattice/shared_marks.hpp"
 #include "generator/lattice/slabs.hpp"
@@ -25,26 +25,6 @@ using Edge = std::pair<std::int32_t, std::int32_t>;
 // Of an edge to find where it crosses: 1/256 of its length, or 1/32 where the place is projected onto the surface
 // anyway.
 constexpr int halvings = 8, halvings_to_snap = 5;
-
-double finest_edge(const Materials& m) {
-  if (m.finest_edge_mm > 0) return m.finest_edge_mm;
-  // The size field varies slowly: its samples at a sixty-fourth of the box miss little.
-  constexpr int samples = 64;
-  std::array<double, samples> finest;
-  const Vec3 box = m.box_max_mm - m.box_min_mm;
-  parallel::parallel_for(0, samples, [&](std::int64_t begin, std::int64_t end) {
-    for (auto k = begin; k < end; ++k) {
-      double least = m.edge_mm(m.box_min_mm);
-      for (int j = 0; j < samples; ++j)
-        for (int i = 0; i < samples; ++i) {
-          const Vec3 share{(i + 0.5) / samples, (j + 0.5) / samples, (static_cast<double>(k) + 0.5) / samples};
-          least = std::min(least, m.edge_mm(m.box_min_mm + Vec3{share.x * box.x, share.y * box.y, share.z * box.z}));
-        }
-      finest[static_cast<std::size_t>(k)] = least;
-    }
-  });
-  return *std::min_element(finest.begin(), finest.end());
-}
 
 std::int64_t node_count(const Complex& c) { return static_cast<std::int64_t>(c.nodes_mm.size()); }
 std::int64_t cell_count(const Complex& c) { return static_cast<std::int64_t>(c.cells.size()); }
@@ -498,15 +478,18 @@ void close_gaps(Complex& c) {
 
 }  // namespace
 
-Complex stuff(const Materials& materials, const StuffSettings& settings) {
-  const auto tree = make_octree(materials.box_min_mm, materials.box_max_mm, finest_edge(materials), materials.edge_mm);
-  auto c = label_lattice(make_background(tree, materials.label_at, near_leaves(tree, materials.label_at)));
+Complex stuff(const Materials& materials, const Lattice& lattice, const StuffSettings& settings) {
+  auto c = label_lattice(make_background(lattice.tree, materials.label_at, lattice.near));
   snap_to_curves(materials, c, settings);
   snap_to_surfaces(materials, c, settings);
   cut_edges(materials, c);
   label_cells(materials, c);
   close_gaps(c);
   return c;
+}
+
+Complex stuff(const Materials& materials, const StuffSettings& settings) {
+  return stuff(materials, lay_lattice(materials), settings);
 }
 
 }  // namespace heart::lattice

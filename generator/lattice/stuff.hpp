@@ -16,6 +16,8 @@
 
 namespace heart::lattice {
 
+struct Lattice;
+
 struct StuffSettings {
   double edge_reach = 0.5;     ///< nodes snap to crossings nearer than this share of the edge
   double curve_reach = 0.5;    ///< nodes snap to curves nearer than this share of the lattice's width
@@ -25,6 +27,7 @@ struct StuffSettings {
 /// Cells with label 0 lie outside next to the others; `derive_touches` and `compress` finish the mesh once the labels
 /// are settled, and know the cells of its nodes only then. `touches` holds sides and hull only. The same result for any
 /// number of threads.
+Complex stuff(const Materials& materials, const Lattice& lattice, const StuffSettings& settings);
 Complex stuff(const Materials& materials, const StuffSettings& settings);
 
 }  // namespace heart::lattice

@@ -5,9 +5,11 @@
 #include <limits>
 
 #include "generator/lattice/balance.hpp"
+#include "generator/lattice/delicate.hpp"
 #include "generator/lattice/draw.hpp"
 #include "generator/lattice/ease.hpp"
 #include "generator/lattice/fit.hpp"
+#include "generator/lattice/lay.hpp"
 #include "generator/lattice/refine.hpp"
 #include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
@@ -144,20 +146,33 @@ void finish(Attempt& made, const Task& task) {
   made.is_finished = true;
 }
 
-// Where labels do not fit into the lattice, edges become shorter.
+// Adds spots where labels do not fit into a lattice; whether there are any. Only its delicate part is stuffed for that.
+bool find_spots(Task& task, const lattice::Lattice& lattice, const lattice::StuffSettings& stuffing) {
+  const auto part = lattice::delicate_part(lattice);
+  auto complex = lattice::stuff(*task.wanted, part.lattice, stuffing);
+  const auto is_changed = settle_cells(complex, task.manifold_sets, task.crumb_cells);
+  auto strays = lattice::far_strays(complex, *task.wanted, task.aims.fitted, is_changed);
+  std::erase_if(strays, [&](const Vec3& p) { return !lattice::is_in_core(part, p); });
+  return lattice::add_spots(task.spots, strays, *task.wanted, 1);
+}
+
 lattice::Complex stuff_and_settle(Task& task, double reach) {
   lattice::StuffSettings stuffing;
   stuffing.edge_reach = reach;
-  for (bool is_last = !task.aims.refines;; is_last = true) {
-    auto complex = lattice::stuff(lattice::refined_at(*task.wanted, task.spots), stuffing);
-    task.watch->note("stuff");
-    const auto is_changed = settle_cells(complex, task.manifold_sets, task.crumb_cells);
-    const auto strays =
-        is_last ? std::vector<Vec3>{} : lattice::far_strays(complex, *task.wanted, task.aims.fitted, is_changed);
-    lattice::compress(complex);
-    task.watch->note("settle");
-    if (!lattice::add_spots(task.spots, strays, *task.wanted, 1)) return complex;
+  auto materials = *task.wanted;
+  materials.spots = task.spots;
+  auto lattice = lattice::lay_lattice(materials);
+  if (task.aims.refines && task.spots.empty()) {
+    const bool is_refined = find_spots(task, lattice, stuffing);
+    task.watch->note("find spots");
+    materials.spots = task.spots;
+    if (is_refined) lattice = lattice::lay_lattice(materials);
   }
+  auto complex = lattice::stuff(materials, lattice, stuffing);
+  task.watch->note("stuff");
+  settle(complex, task.manifold_sets, task.crumb_cells);
+  task.watch->note("settle");
+  return complex;
 }
 
 // Fits only what has no cell that is too bad: else another attempt follows, which may be better.

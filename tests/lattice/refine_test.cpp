@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <tuple>
 
+#include "generator/lattice/lay.hpp"
 #include "lattice/shapes.hpp"
 
 namespace {
@@ -11,59 +15,74 @@ namespace {
 using namespace heart;
 using namespace heart::testing;
 
+Materials solid_ball(double half_mm, double edge_mm) {
+  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, half_mm, edge_mm);
+  m.finest_edge_mm = edge_mm;
+  return m;
+}
+
+// Width of the leaf over a position, in mm.
+double width_at(const lattice::Octree& tree, const Vec3& p) {
+  const Vec3 way = p - tree.origin_mm;
+  lattice::Place at;
+  for (int axis = 0; axis < 3; ++axis)
+    at[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(way[axis] / tree.step_mm[axis]);
+  return std::ldexp(tree.step_mm.x, tree.leaf_over(at).level);
+}
+
+lattice::Octree tree_of(const Materials& m) { return lattice::lay_lattice(m).tree; }
+
 TEST(Refine, SpotsHalveTheEdgesInThem) {
-  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
-  m.finest_edge_mm = 2;
-  std::vector<lattice::FineSpot> spots;
-  ASSERT_TRUE(lattice::add_spots(spots, {{1, 2, 3}}, m, 1));
-  ASSERT_EQ(spots.size(), 1U);
-  const auto fine = lattice::refined_at(m, spots);
-  EXPECT_DOUBLE_EQ(fine.edge_mm({1, 2, 3}), 1);
-  EXPECT_DOUBLE_EQ(fine.edge_mm({1, 2, 3 + 1.01 * spots[0].radius_mm}), 2);
+  auto m = solid_ball(10, 1);
+  const auto plain = tree_of(m);
+  ASSERT_TRUE(lattice::add_spots(m.spots, {{1, 2, 3}}, m, 1));
+  ASSERT_EQ(m.spots.size(), 1U);
+  const auto tree = tree_of(m);
+  EXPECT_DOUBLE_EQ(width_at(tree, {1, 2, 3}), 0.5 * width_at(plain, {1, 2, 3}));
+  const Vec3 beyond{1, 2, 3 - m.spots[0].radius_mm - 2.5};
+  EXPECT_DOUBLE_EQ(width_at(tree, beyond), width_at(plain, beyond));
 }
 
 TEST(Refine, SpotsThatAreCoveredAreNotAddedAgainButFinerOnes) {
-  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
-  m.finest_edge_mm = 2;
-  std::vector<lattice::FineSpot> spots;
-  ASSERT_TRUE(lattice::add_spots(spots, {{0, 0, 0}, {0.1, 0, 0}}, m, 1));
-  EXPECT_EQ(spots.size(), 1U);
-  for (const double edge : {0.5, 0.25}) {
-    ASSERT_TRUE(lattice::add_spots(spots, {{0, 0, 0}}, m, 1));
-    EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).edge_mm({0, 0, 0}), edge);
+  auto m = solid_ball(10, 2);
+  ASSERT_TRUE(lattice::add_spots(m.spots, {{0, 0, 0}, {0.1, 0, 0}}, m, 1));
+  EXPECT_EQ(m.spots.size(), 1U);
+  const double coarse = width_at(tree_of(m), {0, 0, 0});
+  for (const double share : {0.5, 0.25}) {
+    ASSERT_TRUE(lattice::add_spots(m.spots, {{0, 0, 0}}, m, 1));
+    EXPECT_DOUBLE_EQ(width_at(tree_of(m), {0, 0, 0}), share * coarse);
   }
-  EXPECT_FALSE(lattice::add_spots(spots, {{0, 0, 0}}, m, 1)) << "three halvings at most";
+  EXPECT_FALSE(lattice::add_spots(m.spots, {{0, 0, 0}}, m, 1)) << "three halvings at most";
 }
 
-// Edges elsewhere may be no multiple of those in a spot: they stay as they are.
+// Edges elsewhere may be no multiple of those in a spot, and the finest of them need not be known.
 TEST(Refine, ElsewhereTheLatticeStays) {
-  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 10, 2);
-  m.edge_mm = [](const Vec3& p) { return p.x > 0 ? 1.4 : 1.2; };
-  m.finest_edge_mm = 1.2;
-  std::vector<lattice::FineSpot> spots;
-  ASSERT_TRUE(lattice::add_spots(spots, {{4, 0, 0}}, m, 2));
-  const auto fine = lattice::refined_at(m, spots);
-  EXPECT_DOUBLE_EQ(fine.finest_edge_mm, 0.3);
-  const auto far_from_spot = [](const Complex& c) {
-    return std::count_if(c.nodes_mm.begin(), c.nodes_mm.end(), [](const Vec3& p) { return p.x < -2; });
-  };
-  EXPECT_EQ(far_from_spot(lattice::stuff(fine, {})), far_from_spot(lattice::stuff(m, {})));
+  for (const bool is_known : {true, false}) {
+    auto m = solid_ball(10, 1.2);
+    m.edge_mm = [](const Vec3& p) { return p.x > 0 ? 1.4 : 1.2; };
+    if (!is_known) m.finest_edge_mm = 0;
+    const auto plain = lattice::stuff(m, {});
+    ASSERT_TRUE(lattice::add_spots(m.spots, {{5, 0, 0}}, m, 2));
+    const auto fine = lattice::stuff(m, {});
+    EXPECT_GT(fine.cells.size(), plain.cells.size());
+    const auto far_from_spot = [](const Complex& c) {
+      std::vector<Vec3> nodes;
+      std::copy_if(c.nodes_mm.begin(), c.nodes_mm.end(), std::back_inserter(nodes),
+                   [](const Vec3& p) { return p.x < -2.5; });
+      std::sort(nodes.begin(), nodes.end(),
+                [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
+      return nodes;
+    };
+    EXPECT_GT(far_from_spot(plain).size(), 10U);
+    EXPECT_EQ(far_from_spot(fine), far_from_spot(plain));
+  }
 }
 
 TEST(Refine, ALargeBoxOfFineCellsIsNotMadeFiner) {
-  auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 200, 1);
-  m.finest_edge_mm = 1;
-  std::vector<lattice::FineSpot> spots;
-  ASSERT_TRUE(lattice::add_spots(spots, {{4, 0, 0}}, m, 1));
-  EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).finest_edge_mm, 1);
-}
-
-// Samples could find that of a spot, and make an octree of it that no machine holds.
-TEST(Refine, WithoutAKnownFinestEdgeNothingChanges) {
-  const auto m = ball_of_two_halves();
-  std::vector<lattice::FineSpot> spots;
-  ASSERT_TRUE(lattice::add_spots(spots, {{4, 0, 0}}, m, 3));
-  EXPECT_DOUBLE_EQ(lattice::refined_at(m, spots).edge_mm({4, 0, 0}), 0.9);
+  auto m = solid_ball(160, 1);
+  const auto plain = tree_of(m);
+  ASSERT_TRUE(lattice::add_spots(m.spots, {{4, 0, 0}}, m, 1));
+  EXPECT_EQ(tree_of(m).size, plain.size);
 }
 
 TEST(Refine, ACellOfAnotherRegionIsAStray) {

@@ -1,0 +1,40 @@
+#include "generator/lattice/lay.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "generator/parallel/threads.hpp"
+
+namespace heart::lattice {
+namespace {
+
+double finest_edge(const Materials& m) {
+  if (m.finest_edge_mm > 0) return m.finest_edge_mm;
+  // The size field varies slowly: its samples at a sixty-fourth of the box miss little.
+  constexpr int samples = 64;
+  std::array<double, samples> finest;
+  const Vec3 box = m.box_max_mm - m.box_min_mm;
+  parallel::parallel_for(0, samples, [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = begin; k < end; ++k) {
+      double least = m.edge_mm(m.box_min_mm);
+      for (int j = 0; j < samples; ++j)
+        for (int i = 0; i < samples; ++i) {
+          const Vec3 share{(i + 0.5) / samples, (j + 0.5) / samples, (static_cast<double>(k) + 0.5) / samples};
+          least = std::min(least, m.edge_mm(m.box_min_mm + Vec3{share.x * box.x, share.y * box.y, share.z * box.z}));
+        }
+      finest[static_cast<std::size_t>(k)] = least;
+    }
+  });
+  return *std::min_element(finest.begin(), finest.end());
+}
+
+}  // namespace
+
+Lattice lay_lattice(const Materials& materials) {
+  auto tree = make_octree(materials.box_min_mm, materials.box_max_mm, finest_edge(materials), materials.edge_mm,
+                          materials.spots);
+  auto near = near_leaves(tree, materials.label_at);
+  return {std::move(tree), std::move(near)};
+}
+
+}  // namespace heart::lattice

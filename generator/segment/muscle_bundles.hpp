@@ -23,17 +23,17 @@ struct MuscleBundle {
 
 /// What muscles of a ventricle are held by: every one stands on the wall, and one that is free at its other end holds a
 /// leaflet, so that it points to the orifice; a band is fast at both ends. A heart's anatomy makes most rods that noise
-/// draws impossible, and fewer nats are enough for the others.
+/// draws impossible.
 struct MuscleAnchors {
   Volume<float> from_wall_mm;  ///< on the evidence's grid
   std::optional<Vec3>
       orifice_mm;  ///< middle of the inflow's valve, along the grid's axes from the first voxel's centre
 };
 
-/// Bundles of at least 13 nats (11.7 with `anchors`), and of 1.3 times what chance reaches, the surest first; none
-/// overlaps a surer one. `evidence`: nats per mm³ that speak for muscle, negative for blood, 0 where none is sought; on
-/// a grid of equal spacings. Nothing is found that is far more than muscle: more than three times `muscle_evidence`,
-/// the evidence of muscle's mean grey value. Without `anchors` a bundle may be anywhere.
+/// Bundles of at least 13 nats, and of 1.3 times what chance reaches, the surest first; none overlaps a surer one.
+/// `evidence`: nats per mm³ that speak for muscle, negative for blood, 0 where none is sought; on a grid of equal
+/// spacings. Nothing is found that is far more than muscle: more than three times `muscle_evidence`, the evidence of
+/// muscle's mean grey value. Without `anchors` a bundle may be anywhere.
 std::vector<MuscleBundle> find_muscle_bundles(const Volume<float>& evidence, double muscle_evidence,
                                               const std::optional<MuscleAnchors>& anchors = {});
 

@@ -123,6 +123,19 @@ TEST(MuscleBundles, NoiseAloneHasNone) {
     EXPECT_TRUE(find_muscle_bundles(evidence_of({}, seed), information).empty()) << seed;
 }
 
+/// The image is as wide as the ventricle, so that many rods of noise stand on its wall; the orifice is above it.
+TEST(MuscleBundles, NoiseAloneHasNoneThatIsHeldEither) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const Volume<float> noise = evidence_of({}, seed);
+    MuscleAnchors anchors{Volume<float>(noise.grid), Vec3{24, 24, 60}};
+    for (std::int64_t k = 0; k < 48; ++k)
+      for (std::int64_t j = 0; j < 48; ++j)
+        for (std::int64_t i = 0; i < 48; ++i)
+          anchors.from_wall_mm(i, j, k) = static_cast<float>(std::min({i, 47 - i, j, 47 - j, k}));
+    EXPECT_TRUE(find_muscle_bundles(noise, information, anchors).empty()) << seed;
+  }
+}
+
 /// Grains of several voxels make rods of far more nats than noise that differs from voxel to voxel.
 TEST(MuscleBundles, CoarseNoiseAloneHasNoneEither) {
   constexpr double grain_voxels = 0.6, times = 0.45;

@@ -189,7 +189,7 @@ void set_voxel(WallCoordinates& c, std::int64_t v, const Between& b) {
 
 /// Mean of the known neighbours' linear continuations.
 struct Continued {
-  double depth = 0, thickness_mm = 0;
+  double depth = 0, thickness_mm = 0, bend = 0;
   Vec3 normal;
 };
 
@@ -206,11 +206,13 @@ Continued continued_at(const WallCoordinates& c, std::int64_t v) {
         -g.spacing_mm.x * Vec3{static_cast<double>(s[0]), static_cast<double>(s[1]), static_cast<double>(s[2])};
     result.depth += c.depth.voxels[from] + dot(c.normal.voxels[from], offset_mm) / c.thickness_mm.voxels[from];
     result.thickness_mm += c.thickness_mm.voxels[from];
+    result.bend += c.bend.voxels[from];
     result.normal += c.normal.voxels[from];
     ++count;
   }
   result.depth /= count;
   result.thickness_mm /= count;
+  result.bend /= count;
   return result;
 }
 
@@ -231,7 +233,21 @@ void continue_layers(WallCoordinates& c, int layers) {
       c.depth.voxels[v] = static_cast<float>(values[n].depth);
       c.thickness_mm.voxels[v] = static_cast<float>(values[n].thickness_mm);
       c.normal.voxels[v] = normalized(values[n].normal);
+      c.bend.voxels[v] = static_cast<float>(values[n].bend);
     }
+  }
+}
+
+/// How much the wall bends at each voxel, out of the normals' sums around it: unit vectors that differ have a short
+/// mean.
+void set_bend(WallCoordinates& c, double sigma_voxels) {
+  Volume<float> count(c.known.grid);
+  for (std::size_t v = 0; v < count.voxels.size(); ++v) count.voxels[v] = c.known.voxels[v] ? 1 : 0;
+  count = smoothed(count, sigma_voxels);
+  for (std::size_t v = 0; v < count.voxels.size(); ++v) {
+    if (!c.known.voxels[v]) continue;
+    const double mean = norm(c.normal.voxels[v]) / double{count.voxels[v]};
+    c.bend.voxels[v] = static_cast<float>(std::sqrt(std::max(0.0, 1 - mean * mean)));
   }
 }
 
@@ -247,6 +263,7 @@ void smooth_normals(WallCoordinates& c, double thickness_mm) {
     for (std::size_t v = 0; v < component.voxels.size(); ++v)
       if (c.known.voxels[v]) c.normal.voxels[v][axis] = component.voxels[v];
   }
+  set_bend(c, sigma_voxels);
   for (Vec3& n : c.normal.voxels) n = normalized(n);
 }
 
@@ -337,6 +354,10 @@ Ventricles near_wall(const Ventricles& ventricles, const Box& box) {
   return near;
 }
 
+WallCoordinates nothing_known(const Grid& grid) {
+  return {Mask(grid), Volume<float>(grid), Volume<float>(grid), Volume<Vec3>(grid), Volume<float>(grid)};
+}
+
 WallCoordinates coordinates_on_grid(const Ventricles& ventricles, Part wall) {
   const auto& parts = ventricles.parts;
   const WallEnds wall_end = wall_ends(ventricles, wall);
@@ -352,8 +373,7 @@ WallCoordinates coordinates_on_grid(const Ventricles& ventricles, Part wall) {
   const bool thick = thickness_mm > thick_wall_mm;
   const auto ends = at_basal_end(voxels, at, thick, thickness_mm, wall_end);
   if (thick) continue_surfaces(parts.grid, voxels, ends, at);
-  WallCoordinates result{Mask(parts.grid), Volume<float>(parts.grid), Volume<float>(parts.grid),
-                         Volume<Vec3>(parts.grid)};
+  WallCoordinates result = nothing_known(parts.grid);
   for (std::size_t n = 0; n < voxels.size(); ++n)
     if (thick || !ends[n]) set_voxel(result, parts.grid.offset(voxels[n][0], voxels[n][1], voxels[n][2]), at[n]);
   smooth_normals(result, thickness_mm);
@@ -369,31 +389,34 @@ WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
   const Box box =
       bounding_box(ventricles.parts, static_cast<std::int64_t>(std::ceil(around_wall_mm / grid.spacing_mm.x)),
                    [&](auto v) { return is(v, wall); });
-  WallCoordinates result{Mask(grid), Volume<float>(grid), Volume<float>(grid), Volume<Vec3>(grid)};
+  WallCoordinates result = nothing_known(grid);
   if (box.empty()) return result;
   const WallCoordinates near = coordinates_on_grid(near_wall(ventricles, box), wall);
   paste(near.known, box, result.known);
   paste(near.depth, box, result.depth);
   paste(near.thickness_mm, box, result.thickness_mm);
   paste(near.normal, box, result.normal);
+  paste(near.bend, box, result.bend);
   return result;
 }
 
 std::optional<WallPoint> wall_point(const WallCoordinates& c, const HeartFrame& frame, const Vec3& point_mm) {
   const Grid& g = c.known.grid;
-  double total = 0, depth = 0, thickness = 0;
+  double total = 0, depth = 0, thickness = 0, bend = 0;
   Vec3 normal;
   for_corners(index_from_lps(g, point_mm), [&](double weight, std::int64_t i, std::int64_t j, std::int64_t k) {
     if (weight == 0 || !g.contains(i, j, k) || !c.known(i, j, k)) return;
     total += weight;
     depth += weight * c.depth(i, j, k);
     thickness += weight * c.thickness_mm(i, j, k);
+    bend += weight * c.bend(i, j, k);
     normal += weight * c.normal(i, j, k);
   });
   if (total < 1e-3 || norm(normal) < 1e-6) return std::nullopt;
   WallPoint at;
   at.depth = std::clamp(depth / total, 0.0, 1.0);
   at.thickness_mm = thickness / total;
+  at.bend = bend / total;
   at.normal = normalized(normal);
   Vec3 down = frame.long_axis - dot(frame.long_axis, at.normal) * at.normal;
   if (norm(down) < 1e-6) down = frame.rv_side - dot(frame.rv_side, at.normal) * at.normal;

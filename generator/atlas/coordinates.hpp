@@ -20,6 +20,8 @@ struct WallCoordinates {
   Volume<float> depth;         ///< 0 at the endocardium to 1 at the epicardium; beyond [0, 1] outside the wall
   Volume<float> thickness_mm;  ///< L0 + L1
   Volume<Vec3> normal;         ///< unit, from the endocardium to the epicardium
+  Volume<float> bend;  ///< how much the wall bends there: the sine of the angle that its normals within a few mm
+                       ///< stand off their mean, 0 where they are parallel
 };
 
 /// `wall` is Part::lv_wall or Part::rv_wall.
@@ -30,6 +32,7 @@ WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall);
 struct WallPoint {
   double depth = 0;  ///< clamped to [0, 1]
   double thickness_mm = 0;
+  double bend = 0;  ///< see WallCoordinates
   Vec3 normal, longitudinal, circumferential;
 };
 

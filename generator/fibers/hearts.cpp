@@ -69,10 +69,10 @@ WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& 
         atlas::axis_tensor({dot(f, at->circumferential), dot(f, at->longitudinal), dot(f, at->normal)});
     samples.depth.push_back(at->depth);
     samples.thickness_mm.push_back(at->thickness_mm);
-    samples.by_place.feature.push_back(place_feature(position, at->depth));
+    samples.by_place.feature.push_back(place_feature(position, at->depth, at->bend));
     samples.by_place.tensor.push_back(tensor);
     samples.by_coordinates.feature.push_back(
-        coordinate_feature(image.ventricles.frame, center_mm, position, at->depth));
+        coordinate_feature(image.ventricles.frame, center_mm, position, at->depth, at->bend));
     samples.by_coordinates.tensor.push_back(tensor);
   }
   return samples;
@@ -134,7 +134,7 @@ void add_carried(const AngleSamples& samples, const PointWalls& walls, bool left
   for (std::size_t n = 0; n < axes.size(); ++n) {
     if (!walls.known[n] || share_of(n) <= 0) continue;
     const WallPoint& at = left ? walls.lv[n] : walls.rv[n];
-    queries.push_back({feature_at(n, at.depth), at});
+    queries.push_back({feature_at(n, at), at});
     nodes.push_back(n);
   }
   const auto carried = carry_local_angles(samples, queries);
@@ -226,14 +226,14 @@ std::vector<AxisTensor> carried_axes(const Hearts& hearts, const PointWalls& wal
       const Vec3& center = left ? hearts.patient_centers_mm.lv : hearts.patient_centers_mm.rv;
       add_carried(
           left ? hearts.by_coordinates.lv : hearts.by_coordinates.rv, walls, left,
-          [&](std::size_t n, double depth) {
-            return coordinate_feature(hearts.patient.frame, center, points_mm[n], depth);
+          [&](std::size_t n, const WallPoint& at) {
+            return coordinate_feature(hearts.patient.frame, center, points_mm[n], at.depth, at.bend);
           },
           axes);
     } else {
       add_carried(
           left ? hearts.by_place.lv : hearts.by_place.rv, walls, left,
-          [&](std::size_t n, double depth) { return place_feature(atlas_mm[n], depth); }, axes);
+          [&](std::size_t n, const WallPoint& at) { return place_feature(atlas_mm[n], at.depth, at.bend); }, axes);
     }
   }
   return axes;

@@ -41,7 +41,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
 
 /// What the walls are at a list of points.
 struct PointWalls {
-  std::vector<double> left_share;   ///< of the left ventricle in the field: 0 or 1 but within 0.7 mm of the junction
+  std::vector<double> left_share;   ///< of the left ventricle in the field: 0 or 1 but within 0.15 mm of the junction
   std::vector<std::uint8_t> known;  ///< 0: too far from both walls
   std::vector<atlas::WallPoint> lv, rv;
   std::vector<std::uint8_t> at_junction;  ///< 1 within 1.5 mm of the junction, where fibres of a mesh turn evenly

@@ -13,12 +13,13 @@ namespace {
 
 using atlas::AxisTensor;
 constexpr double position_scale_mm = 2.5, depth_scale = 0.06, height_scale = 0.05, angle_scale = 0.15;
+constexpr double bend_scale = 0.08;
 constexpr std::size_t neighbors = 48;
 constexpr double doubtful_off_wall = 0.03;  // squared sine of 10 degrees
 constexpr double farthest = 1;              // from the samples, scaled; a query beyond is looked up at their border
 constexpr double wide_place = 0.25;  // places count so much where a border is sought: its depth must be the query's
 
-constexpr std::size_t places = 3;  // of a feature's numbers; the last one is the depth
+constexpr std::size_t places = 3, fitted = 4;  // of a feature's numbers: where, and where at which depth
 
 struct FeatureCloud {
   const std::vector<WallFeature>& points;
@@ -33,8 +34,8 @@ struct FeatureCloud {
   }
 };
 
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, FeatureCloud>, FeatureCloud, 4,
-                                                 std::size_t>;
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, FeatureCloud>, FeatureCloud,
+                                                 std::tuple_size_v<WallFeature>, std::size_t>;
 
 struct Neighbor {
   std::size_t sample;
@@ -115,7 +116,7 @@ AxisTensor regressed(const AngleSamples& samples, const WallFeature& query, cons
   for (const Neighbor& n : near) {
     Row row;
     row(0) = 1;
-    for (std::size_t axis = 0; axis < 4; ++axis)
+    for (std::size_t axis = 0; axis < fitted; ++axis)
       row(static_cast<Eigen::Index>(axis) + 1) = samples.feature[n.sample][axis] - query[axis];
     const double weight = trust(samples.tensor[n.sample]) * std::exp(-0.5 * n.squared_distance / width2);
     normal += weight * row * row.transpose();
@@ -155,25 +156,26 @@ AxisTensor in_patient_frame(const AxisTensor& local, const atlas::WallPoint& at)
 
 }  // namespace
 
-WallFeature place_feature(const Vec3& atlas_mm, double depth) {
+WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend) {
   return {atlas_mm.x / position_scale_mm, atlas_mm.y / position_scale_mm, atlas_mm.z / position_scale_mm,
-          depth / depth_scale};
+          depth / depth_scale, bend / bend_scale};
 }
 
 Vec3 place_of(const WallFeature& place) { return position_scale_mm * Vec3{place[0], place[1], place[2]}; }
 
 WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
-                               double depth) {
+                               double depth, double bend) {
   const double height = dot(point_mm - frame.base_point_mm, frame.long_axis) / frame.length_mm;
   const Vec3 from_center = point_mm - center_mm;
   const double x = dot(from_center, frame.rv_side), y = dot(from_center, cross(frame.long_axis, frame.rv_side));
   const double radius = std::max(std::sqrt(x * x + y * y), 1e-9);
-  return {height / height_scale, x / radius / angle_scale, y / radius / angle_scale, depth / depth_scale};
+  return {height / height_scale, x / radius / angle_scale, y / radius / angle_scale, depth / depth_scale,
+          bend / bend_scale};
 }
 
 std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features) {
   const FeatureCloud cloud{samples.feature};
-  const Tree tree(4, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const Tree tree(std::tuple_size_v<WallFeature>, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   std::vector<std::size_t> result(features.size());
   for (std::size_t f = 0; f < features.size(); ++f) {
     double squared = 0;
@@ -184,9 +186,9 @@ std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std:
 
 std::vector<AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries) {
   const FeatureCloud cloud{samples.feature};
-  const Tree tree(4, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const Tree tree(std::tuple_size_v<WallFeature>, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   const FeatureCloud wide_cloud{samples.feature, wide_place};
-  const Tree wide(4, wide_cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const Tree wide(std::tuple_size_v<WallFeature>, wide_cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   std::vector<AxisTensor> result(queries.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(queries.size()), [&](std::int64_t begin, std::int64_t end) {
     NearestSamples nearest(samples);

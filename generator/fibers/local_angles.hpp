@@ -11,17 +11,18 @@
 namespace heart::fibers {
 
 /// Where a point lies in a wall, scaled so that a distance of 1 means "as near as a neighbour should be": three numbers
-/// of its place, then its depth.
-using WallFeature = std::array<double, 4>;
+/// of its place, then its depth, then how much the wall bends there. Where a wall bends sharply its directions and its
+/// depth are the least certain, and hearts do not bend at the same places: what was measured in a bend tells of bends.
+using WallFeature = std::array<double, 5>;
 
-/// By place: position in the atlas's frame (in units of 2.5 mm) and depth (0.06).
-WallFeature place_feature(const Vec3& atlas_mm, double depth);
+/// By place: position in the atlas's frame (in units of 2.5 mm), depth (0.06) and bend (0.08).
+WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend);
 Vec3 place_of(const WallFeature& place);  ///< atlas_mm of a place_feature
 
 /// By coordinates: height along the long axis as a share of the heart's length (0.05), the angle around `center_mm`
-/// (0.15 rad), and depth (0.06); comparable between hearts without a registration.
+/// (0.15 rad), depth (0.06) and bend (0.08); comparable between hearts without a registration.
 WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
-                               double depth);
+                               double depth, double bend);
 
 /// The known axes of one ventricle of the atlas.
 struct AngleSamples {

@@ -67,7 +67,8 @@ fibers::Hearts walls_that_meet(double meet_mm) {
   Grid grid;
   grid.size = {20, 4, 4};
   const Volume<float> half(grid, 0.5F);
-  const atlas::WallCoordinates known{Mask(grid, 1), half, Volume<float>(grid, 3.0F), Volume<Vec3>(grid, {0, 0, 1})};
+  const atlas::WallCoordinates known{Mask(grid, 1), half, Volume<float>(grid, 3.0F), Volume<Vec3>(grid, {0, 0, 1}),
+                                     Volume<float>(grid)};
   fibers::Hearts hearts;
   hearts.patient_walls = {known, known};
   hearts.patient.frame.long_axis = {0, 1, 0};

@@ -17,23 +17,26 @@ using testing::axis_angle_deg;
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// Samples of a slab of wall, 2 mm apart along it and 0.025 in depth.
-fibers::AngleSamples slab(const std::function<Vec3(int number, double depth)>& local_axis) {
+double nowhere(double) { return 0; }
+
+/// Samples of a slab of wall, 2 mm apart along it and 0.025 in depth, that bends by `bend_at` (x in mm).
+fibers::AngleSamples slab(const std::function<Vec3(int number, double depth)>& local_axis,
+                          const std::function<double(double x_mm)>& bend_at = nowhere) {
   fibers::AngleSamples samples;
   for (int i = -5; i <= 5; ++i)
     for (int j = -5; j <= 5; ++j)
       for (int k = 0; k <= 40; ++k) {
         const double depth = 0.025 * k;
         const auto number = static_cast<int>(samples.tensor.size());
-        samples.feature.push_back(fibers::place_feature({2.0 * i, 2.0 * j, 10 * depth}, depth));
+        samples.feature.push_back(fibers::place_feature({2.0 * i, 2.0 * j, 10 * depth}, depth, bend_at(2.0 * i)));
         samples.tensor.push_back(atlas::axis_tensor(local_axis(number, depth)));
       }
   return samples;
 }
 
-Vec3 carried_at(const fibers::AngleSamples& samples, const Vec3& place_mm, double depth) {
+Vec3 carried_at(const fibers::AngleSamples& samples, const Vec3& place_mm, double depth, double bend = 0) {
   fibers::AngleQuery query;
-  query.feature = fibers::place_feature(place_mm, depth);
+  query.feature = fibers::place_feature(place_mm, depth, bend);
   query.at.circumferential = {1, 0, 0};
   query.at.longitudinal = {0, 1, 0};
   query.at.normal = {0, 0, 1};
@@ -47,13 +50,24 @@ TEST(LocalAngles, AHelixThatTurnsWithDepthIsFoundBetweenTheSamples) {
   };
   const auto samples = slab([&](int, double depth) { return helix(depth); });
   for (const double depth : {0.33, 0.5, 0.71})
-    EXPECT_LT(axis_angle_deg(carried_at(samples, {0.7, -1.1, 10 * depth}, depth), helix(depth)), 1) << depth;
+    EXPECT_LT(axis_angle_deg(carried_at(samples, {0.7, -1.1, 10 * depth}, depth, 0), helix(depth)), 1) << depth;
 }
 
 TEST(LocalAngles, SamplesWhoseFiberLeavesTheirWallHardlyCount) {
   const Vec3 along{1, 0, 0}, off{std::cos(40 * degree), 0, std::sin(40 * degree)};
   const auto samples = slab([&](int number, double) { return number % 3 == 0 ? off : along; });
   EXPECT_LT(axis_angle_deg(carried_at(samples, {0.7, -1.1, 5}, 0.5), along), 3);
+}
+
+TEST(LocalAngles, WhatWasMeasuredInABendOfTheWallTellsOfBends) {
+  constexpr double bent = 0.35, half_width_mm = 3;
+  const Vec3 straight{1, 0, 0}, off{std::cos(15 * degree), std::sin(15 * degree), 0};
+  const auto bend_at = [&](double x_mm) { return std::abs(x_mm) < half_width_mm ? bent : 0.0; };
+  fibers::AngleSamples samples = slab([&](int, double) { return straight; }, bend_at);
+  for (std::size_t n = 0; n < samples.feature.size(); ++n)
+    if (std::abs(fibers::place_of(samples.feature[n]).x) < half_width_mm) samples.tensor[n] = atlas::axis_tensor(off);
+  EXPECT_LT(axis_angle_deg(carried_at(samples, {0.3, 0.7, 5}, 0.5), straight), 3);
+  EXPECT_LT(axis_angle_deg(carried_at(samples, {0.3, 0.7, 5}, 0.5, bent), off), 3);
 }
 
 /// Places in no order, on the samples (so that many are equally far), between them and beyond them.
@@ -65,7 +79,7 @@ std::vector<fibers::AngleQuery> scattered_queries() {
     const double off_mm = n % 3 == 0 ? 0 : 0.37 * (n % 5);
     const double reach_mm = n % 17 == 0 ? 9 : 2;
     query.feature =
-        fibers::place_feature({reach_mm * (n * 5 % 11 - 5) + off_mm, 2.0 * (n * 3 % 11 - 5), 10 * depth}, depth);
+        fibers::place_feature({reach_mm * (n * 5 % 11 - 5) + off_mm, 2.0 * (n * 3 % 11 - 5), 10 * depth}, depth, 0);
     query.at.circumferential = {1, 0, 0};
     query.at.longitudinal = {0, 1, 0};
     query.at.normal = {0, 0, 1};

@@ -151,6 +151,38 @@ TEST(WallCoordinates, DepthOfASphericalShellIsItsShareOfTheRadius) {
   EXPECT_LT(worst_normal, 0.2);
 }
 
+/// A right wall of 4 mm over a cavity with flat roofs that meet in a right angle at x = 30, z = 30.
+atlas::Ventricles roof() {
+  atlas::Ventricles result;
+  result.parts = Volume<std::uint8_t>(cube(56, 1.1));
+  result.frame.long_axis = {0, 1, 0};
+  result.frame.rv_side = {1, 0, 0};
+  for (std::int64_t v = 0; v < result.parts.grid.voxel_count(); ++v) {
+    const Vec3 p = atlas::voxel_center(result.parts.grid, v);
+    const double above_mm = (p.z - 30 + std::abs(p.x - 30)) / std::sqrt(2);
+    result.parts.voxels[static_cast<std::size_t>(v)] = tag(above_mm < 0   ? Part::rv_cavity
+                                                           : above_mm < 4 ? Part::rv_wall
+                                                                          : Part::outside);
+  }
+  return result;
+}
+
+TEST(WallCoordinates, AWallBendsAtItsEdgesAndNowhereElse) {
+  const auto ventricles = roof();
+  const auto wall = wall_coordinates(ventricles, Part::rv_wall);
+  const auto bend_at = [&](double x_mm) {
+    const Vec3 in_the_middle{x_mm, 30, 30 - std::abs(x_mm - 30) + 2 * std::sqrt(2)};
+    const auto at = wall_point(wall, ventricles.frame, in_the_middle);
+    return at ? at->bend : -1;
+  };
+  EXPECT_GT(bend_at(30), 0.4);  // of the sine of 45 degrees
+  for (const double away_mm : {10.0, 14.0})
+    for (const double x_mm : {30 - away_mm, 30 + away_mm}) {
+      EXPECT_GE(bend_at(x_mm), 0) << x_mm;
+      EXPECT_LT(bend_at(x_mm), 0.08) << x_mm;
+    }
+}
+
 TEST(WallCoordinates, DepthGoesOnLinearlyJustOutsideTheWall) {
   const auto ventricles = shell();
   const auto coordinates = wall_coordinates(ventricles, Part::lv_wall);

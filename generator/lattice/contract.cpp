@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -165,6 +167,61 @@ std::int32_t halve_edge(Complex& c, const Materials& materials, std::int32_t a, 
       std::replace(made.begin(), made.end(), replaced, node);
       add_cell(c, made, label);
     }
+  return node;
+}
+
+namespace {
+
+// Where a label begins or ends along a way, at most its length away.
+std::optional<Vec3> find_change(const Materials& materials, int label, const Vec3& from, const Vec3& way) {
+  constexpr int steps = 16, halvings = 6;
+  const bool is_in = materials.label_at(from) == label;
+  const auto is_beyond = [&](double share) { return (materials.label_at(from + share * way) == label) != is_in; };
+  for (int step = 1; step <= steps; ++step) {
+    double low = static_cast<double>(step - 1) / steps, high = static_cast<double>(step) / steps;
+    if (!is_beyond(high)) continue;
+    for (int i = 0; i < halvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      (is_beyond(middle) ? high : low) = middle;
+    }
+    return from + 0.5 * (low + high) * way;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::int32_t pierce_face(Complex& c, const Materials& materials, const Face& face) {
+  constexpr double reach = 0.8;  // of the face's edges
+  const auto cells = cells_at_face(c, face[0], face[1], face[2]);
+  if (cells[0] < 0 || std::all_of(face.begin(), face.end(), [&](std::int32_t n) { return c.is_frozen(n); })) return -1;
+  const Vec3 middle = (c.at(face[0]) + c.at(face[1]) + c.at(face[2])) / 3;
+  const Vec3 normal = cross(c.at(face[1]) - c.at(face[0]), c.at(face[2]) - c.at(face[0]));
+  const Cell first = c.cell(cells[0]);
+  const auto apex = *std::find_if(first.begin(), first.end(),
+                                  [&](std::int32_t n) { return std::find(face.begin(), face.end(), n) == face.end(); });
+  const int label = c.label_of(cells[0]);
+  // What is still of the first cell's label ends beyond the face, what is not begins on this side of it.
+  const bool is_beyond = materials.label_at(middle) == label;
+  const bool is_away = dot(normal, c.at(apex) - middle) < 0;
+  const Vec3 way = (is_beyond == is_away ? reach : -reach) / std::sqrt(norm(normal)) * normal;
+  const auto place = find_change(materials, label, middle, way);
+  if (!place) return -1;
+  const LabelBits other = cells[1] >= 0 ? bit_of(c.label_of(cells[1])) : beyond_face(c, face[0], face[1], face[2]);
+  const auto width = [&](std::int32_t n) { return c.spacing_mm[static_cast<std::size_t>(n)]; };
+  const auto node =
+      add_node(c, *place, bit_of(label) | other, std::min({width(face[0]), width(face[1]), width(face[2])}));
+  for (const auto id : cells) {
+    if (id < 0) continue;
+    const Cell old = c.cell(id);
+    const int old_label = c.label_of(id);
+    remove_cell(c, id);
+    for (const auto replaced : face) {
+      Cell made = old;
+      std::replace(made.begin(), made.end(), replaced, node);
+      add_cell(c, made, old_label);
+    }
+  }
   return node;
 }
 

@@ -17,6 +17,11 @@ bool contract_edge(Complex& complex, const Materials& materials, std::int32_t ke
 /// stay or its cells cannot be told.
 std::int32_t halve_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b);
 
+/// Puts a node in a face between two labels, or a label and the outside: on its surface, where the normal at the face's
+/// middle meets it. That finds the bottom of a crease, which lies beyond the middles of edges. Returns the node, or -1
+/// where the surface is not near or the face has frozen nodes only.
+std::int32_t pierce_face(Complex& complex, const Materials& materials, const Face& face);
+
 /// Puts a node on the edge and moves it; undone where the cells around do not get better.
 bool divide_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
                  double tolerance);

@@ -108,6 +108,7 @@ struct Fitness {
   Face worst{-1, -1, -1};
   double error = 0;   // of the worst face
   double misery = 0;  // sum of the squares of what errors have beyond the aim
+  int misfits = 0;    // faces beyond it
 };
 
 // Of the faces of a part that can change. (Those where it was cut out have frozen nodes only, and no cell beyond.)
@@ -125,6 +126,7 @@ Fitness fitness_of(const Complex& part, const Materials& materials, const FitSet
     }
     const double beyond = std::max(0.0, error - settings.aim);
     found.misery += beyond * beyond;
+    found.misfits += beyond > 0;
   }
   return found;
 }
@@ -245,6 +247,14 @@ std::size_t count_meeting(const Complex& part, const Around& around) {
   return meeting_faces(nodes_mm, faces).size();
 }
 
+/// How a place is worked on.
+struct Effort {
+  int rings;  // of cells around a face
+  int most_tries;
+  std::uint32_t seed;  // of shakes
+  bool takes_halves;   // what is better but leaves as many misfits is put back too: else the next effort begins anew
+};
+
 /// A place with a misfit in its middle, and the best that was made of it.
 struct Job {
   Place place;
@@ -252,6 +262,9 @@ struct Job {
   Complex best;  // no cells: nothing better was found
   Fitness fitness;
   std::int64_t work = 0;  // cells repaired, of all tries together
+  Face face;              // the misfit, in the whole
+  int misfits = 0;        // at first
+  bool is_put_back = false;
 };
 
 // The outer ones of the whole's faces that may lie around one of the places: most lie far from all of them.
@@ -266,11 +279,16 @@ FacesByHeight outer_faces_near(const Complex& c, const std::vector<SurfaceFace>&
   return by_height(c, parallel::gather<Face>(0, static_cast<std::int64_t>(faces.size()), find));
 }
 
-// One way of several to divide a face: its longest edge, the second, the third, all. Then again, a little shaken up.
-void divide(Complex& part, const Materials& materials, const Face& face, int way) {
-  constexpr int ways = 4;
+// One way of several to divide a face: its longest edge, the second, the third, all, in its middle. Then again, a
+// little shaken up.
+void divide(Complex& part, const Materials& materials, const Face& face, int way, std::uint32_t seed) {
+  constexpr int ways = 5;
   constexpr double shake = 0.01;  // of the lattice's width
-  if (way >= ways) shake_up(part, materials, shake * way, static_cast<std::uint32_t>(way));
+  if (way >= ways) shake_up(part, materials, shake * way, static_cast<std::uint32_t>(way) + 1000 * seed);
+  if (way % ways == 4) {
+    pierce_face(part, materials, face);
+    return;
+  }
   std::array<std::pair<double, std::size_t>, 3> edges;
   for (std::size_t i = 0; i < 3; ++i) edges[i] = {-norm(part.at(face[i]) - part.at(face[(i + 1) % 3])), i};
   std::sort(edges.begin(), edges.end());
@@ -297,19 +315,21 @@ bool relabel_strays(Complex& part, const Materials& materials) {
 }
 
 // Divides the worst face and repairs what that makes, then goes on from the outcome wherever it is better.
-void fit(Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings) {
-  constexpr int most_tries = 30;
+void fit(Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings,
+         const Effort& effort) {
   repairing.may_relabel = false;  // labels beyond the place are not seen
   repairing.goal = repairing.least = settings.enough + 0.0004;
   repairing.sweeps = 6;  // without shakes: another way is cheaper
   const double least = std::min(settings.enough, worst_quality(job.place.part));
   job.fitness = fitness_of(job.place.part, materials, settings);
+  job.misfits = job.fitness.misfits;
   const auto meeting = count_meeting(job.place.part, job.around);
   int way = 0;
-  for (int attempt = 0; attempt < most_tries && job.fitness.misery > 0; ++attempt, ++way) {
+  for (int attempt = 0; attempt < effort.most_tries && job.fitness.misery > 0; ++attempt, ++way) {
     job.work += static_cast<std::int64_t>(job.place.part.cells.size());
     Complex tried = job.best.cells.empty() ? job.place.part : job.best;
-    if (way > 0 || !relabel_strays(tried, materials)) divide(tried, materials, job.fitness.worst, std::max(way - 1, 0));
+    if (way > 0 || !relabel_strays(tried, materials))
+      divide(tried, materials, job.fitness.worst, std::max(way - 1, 0), effort.seed);
     repair(tried, materials, repairing);
     draw_to_surfaces(tried, materials, settings.enough);
     balance_surfaces(tried, materials, settings.enough);
@@ -338,7 +358,7 @@ std::vector<Job> separate_places(const Complex& c, std::vector<Face>& faces, int
     if (std::any_of(place.nodes.begin(), place.nodes.end(), taken)) return false;
     for (const auto n : place.nodes) is_taken[static_cast<std::size_t>(n)] = 1;
     work_left -= usual_tries * static_cast<std::int64_t>(place.cells.size());
-    jobs.push_back({std::move(place), {}, {}, {}});
+    jobs.push_back({std::move(place), {}, {}, {}, 0, face});
     return true;
   };
   std::erase_if(faces, is_done);
@@ -361,12 +381,13 @@ struct Fitting {
   std::int64_t work_left;
 };
 
-void put_back(Fitting& fitting, std::vector<Job>& jobs) {
+void put_back(Fitting& fitting, std::vector<Job>& jobs, const Effort& effort) {
   std::vector<std::int32_t> changed;
   for (auto& job : jobs) {
     fitting.work_left -= job.work;
-    if (job.best.cells.empty()) continue;
+    if (job.best.cells.empty() || (job.fitness.misfits >= job.misfits && !effort.takes_halves)) continue;
     put_back(*fitting.complex, job.place, job.best);
+    job.is_put_back = true;
     changed.insert(changed.end(), job.place.nodes.begin(), job.place.nodes.end());
   }
   renew_faces(fitting.faces, *fitting.complex, changed);
@@ -375,11 +396,11 @@ void put_back(Fitting& fitting, std::vector<Job>& jobs) {
 
 // Works on the places around some faces as long as there is work left; returns the worst faces of those where the aim
 // is missed.
-std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, int rings) {
+std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, const Effort& effort) {
   const auto& complex = *fitting.complex;
   std::vector<Face> missed;
   while (!faces.empty() && fitting.work_left > 0) {
-    auto jobs = separate_places(complex, faces, rings, fitting.work_left);
+    auto jobs = separate_places(complex, faces, effort.rings, fitting.work_left);
     if (jobs.empty()) break;
     const auto outer = outer_faces_near(complex, fitting.faces, jobs);
     std::vector<std::function<void()>> tasks;
@@ -387,12 +408,12 @@ std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, int ring
     for (auto& job : jobs)
       tasks.emplace_back([&] {
         job.around = faces_around(complex, outer, job.place);
-        fit(job, *fitting.materials, *fitting.repairing, *fitting.settings);
+        fit(job, *fitting.materials, *fitting.repairing, *fitting.settings, effort);
       });
     parallel::run_tasks(tasks);
-    put_back(fitting, jobs);
+    put_back(fitting, jobs, effort);
     for (const auto& job : jobs)
-      if (job.fitness.misery > 0) missed.push_back(in_whole(job.place, job.fitness.worst));
+      if (job.fitness.misery > 0) missed.push_back(job.is_put_back ? in_whole(job.place, job.fitness.worst) : job.face);
   }
   missed.insert(missed.end(), faces.begin(), faces.end());
   return missed;
@@ -415,18 +436,19 @@ std::vector<SurfaceFace> suspects(Fitting& fitting, std::vector<Face> before) {
 
 std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
                        const FitSettings& settings) {
-  constexpr int rings = 3;  // of cells around a face; where they have no way out, one more may
+  // Most places need little, and work that some waste others lack.
+  constexpr std::array efforts{Effort{2, 10, 0, false}, Effort{3, 10, 0, false}, Effort{3, 20, 1, true}};
   constexpr std::size_t usual_cells = 1'500'000;
   const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
   Fitting fitting{&complex, &materials, &repairing, &settings, surface_faces(complex), {}, 0};
   fitting.work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(cells));
   const auto found = misfits(complex, materials, settings, fitting.faces);
-  auto missed = fit_places(fitting, found, rings);
-  missed = fit_places(fitting, std::move(missed), rings + 1);
+  auto missed = found;
+  for (const auto& effort : efforts) missed = fit_places(fitting, std::move(missed), effort);
   std::sort(missed.begin(), missed.end());
   auto late = misfits(complex, materials, settings, suspects(fitting, found));
   std::erase_if(late, [&](const Face& face) { return std::binary_search(missed.begin(), missed.end(), face); });
-  const auto again = fit_places(fitting, std::move(late), rings);
+  const auto again = fit_places(fitting, std::move(late), efforts.front());
   return static_cast<std::int64_t>(missed.size() + again.size());
 }
 

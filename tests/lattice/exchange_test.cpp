@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "generator/lattice/contract.hpp"
 #include "generator/lattice/ring.hpp"
+#include "generator/lattice/surface_faces.hpp"
 #include "lattice/shapes.hpp"
 
 namespace {
@@ -113,6 +115,38 @@ TEST(Relabel, NotWhereMoreMaterialsMeetThanAreLookedAt) {
     EXPECT_FALSE(lattice::relabel(c, t, c.label_of(t) % 20 + 1)) << t;
   }
   EXPECT_GT(looked_at, 0);
+}
+
+TEST(PierceFace, PutsANodeOnTheSurfaceBehindTheMiddle) {
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 7, 2);
+  auto c = lattice::stuff(m, {});
+  lattice::derive_touches(c);
+  lattice::compress(c);
+  const auto faces = lattice::surface_faces(c);
+  ASSERT_GT(faces.size(), 50U);
+  const double volume = volume_of(c, 1);
+  const auto count = c.cells.size();
+  const auto node = lattice::pierce_face(c, m, faces[7].nodes);
+  ASSERT_GE(node, 0);
+  EXPECT_NEAR(norm(c.at(node)), 5, 0.01);
+  EXPECT_EQ(c.bits(node), lattice::bit_of(0) | lattice::bit_of(1));
+  EXPECT_EQ(c.star(node).size(), 3U);
+  lattice::compress(c);
+  EXPECT_EQ(c.cells.size(), count + 2);
+  EXPECT_GT(volume_of(c, 1), volume) << "a ball is convex: its surface lies beyond the middles of faces";
+  EXPECT_GT(least_volume(c), 0);
+  EXPECT_EQ(defects(c), 0);
+}
+
+TEST(PierceFace, LeavesAFaceFarFromItsSurface) {
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 7, 2);
+  auto c = lattice::stuff(m, {});
+  lattice::derive_touches(c);
+  lattice::compress(c);
+  const auto nodes = c.nodes_mm.size();
+  const auto far = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 50 - norm(p); }}, 7, 2);
+  EXPECT_LT(lattice::pierce_face(c, far, lattice::surface_faces(c)[7].nodes), 0);
+  EXPECT_EQ(c.nodes_mm.size(), nodes);
 }
 
 }  // namespace

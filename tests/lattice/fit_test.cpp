@@ -56,6 +56,22 @@ TEST(Fit, FacesInAGrooveGetNearToTheirSurface) {
   EXPECT_GT(least_volume(c), 0);
 }
 
+TEST(Fit, FacesReachTheBottomOfANotch) {
+  const auto inside = [](const Vec3& p) {
+    const double notch = 0.9 * std::abs(p.x - 0.13) - 0.4359 * (p.z - 0.2);  // a wedge of 52 degrees, open upwards
+    return std::min(5 - norm(p), notch);
+  };
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, inside}, 7, 1);
+  auto c = mesh_of(m).complex;
+  const double before = worst_error(c, m);
+  const auto missed = lattice::fit_faces(c, m, {}, {});
+  EXPECT_GT(before, 0.3);
+  EXPECT_LE(missed, 1);
+  EXPECT_LT(worst_error(c, m), 0.3);
+  lattice::compress(c);
+  EXPECT_EQ(defects(c), 0);
+}
+
 // A ball of two halves. A node of the curve that is off the plane between them lies on the sphere still, and faces
 // around it hardly leave theirs.
 TEST(Fit, NodesComeBackToTheirCurve) {

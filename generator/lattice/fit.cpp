@@ -252,7 +252,7 @@ struct Effort {
   int rings;  // of cells around a face
   int most_tries;
   std::uint32_t seed;  // of shakes
-  bool takes_halves;   // what is better but leaves as many misfits is put back too: else the next effort begins anew
+  bool takes_halves;   // is_worth_it
 };
 
 /// A place with a misfit in its middle, and the best that was made of it.
@@ -263,7 +263,7 @@ struct Job {
   Fitness fitness;
   std::int64_t work = 0;  // cells repaired, of all tries together
   Face face;              // the misfit, in the whole
-  int misfits = 0;        // at first
+  Fitness first;          // before anything was done
   bool is_put_back = false;
 };
 
@@ -322,7 +322,7 @@ void fit(Job& job, const Materials& materials, RepairSettings repairing, const F
   repairing.sweeps = 6;  // without shakes: another way is cheaper
   const double least = std::min(settings.enough, worst_quality(job.place.part));
   job.fitness = fitness_of(job.place.part, materials, settings);
-  job.misfits = job.fitness.misfits;
+  job.first = job.fitness;
   const auto meeting = count_meeting(job.place.part, job.around);
   int way = 0;
   for (int attempt = 0; attempt < effort.most_tries && job.fitness.misery > 0; ++attempt, ++way) {
@@ -358,7 +358,7 @@ std::vector<Job> separate_places(const Complex& c, std::vector<Face>& faces, int
     if (std::any_of(place.nodes.begin(), place.nodes.end(), taken)) return false;
     for (const auto n : place.nodes) is_taken[static_cast<std::size_t>(n)] = 1;
     work_left -= usual_tries * static_cast<std::int64_t>(place.cells.size());
-    jobs.push_back({std::move(place), {}, {}, {}, 0, face});
+    jobs.push_back({std::move(place), {}, {}, {}, 0, face, {}});
     return true;
   };
   std::erase_if(faces, is_done);
@@ -381,11 +381,17 @@ struct Fitting {
   std::int64_t work_left;
 };
 
+// What is better but leaves as many misfits may be in the way of a greater effort; far off, anything better is welcome.
+bool is_worth_it(const Job& job, const Effort& effort, double aim) {
+  if (job.best.cells.empty()) return false;
+  return effort.takes_halves || job.fitness.misfits < job.first.misfits || job.first.error > 2 * aim;
+}
+
 void put_back(Fitting& fitting, std::vector<Job>& jobs, const Effort& effort) {
   std::vector<std::int32_t> changed;
   for (auto& job : jobs) {
     fitting.work_left -= job.work;
-    if (job.best.cells.empty() || (job.fitness.misfits >= job.misfits && !effort.takes_halves)) continue;
+    if (!is_worth_it(job, effort, fitting.settings->aim)) continue;
     put_back(*fitting.complex, job.place, job.best);
     job.is_put_back = true;
     changed.insert(changed.end(), job.place.nodes.begin(), job.place.nodes.end());

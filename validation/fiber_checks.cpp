@@ -56,12 +56,13 @@ double axis_angle_deg(const Vec3& a, const Vec3& b) {
 
 /// Angles between the fibre axes at the ends of edges of the ventricles' cells.
 struct EdgeTurns {
-  std::vector<double> jump_deg, turn_deg_per_mm;
+  std::vector<double> jump_deg, turn_deg_per_mm, length_mm;
 
   void add(const TetMesh& mesh, std::int32_t a, std::int32_t b) {
     const auto m = static_cast<std::size_t>(a), n = static_cast<std::size_t>(b);
     jump_deg.push_back(axis_angle_deg(mesh.node_fibers.fiber[m], mesh.node_fibers.fiber[n]));
-    turn_deg_per_mm.push_back(jump_deg.back() / std::max(norm(mesh.nodes_mm[m] - mesh.nodes_mm[n]), 1e-9));
+    length_mm.push_back(norm(mesh.nodes_mm[m] - mesh.nodes_mm[n]));
+    turn_deg_per_mm.push_back(jump_deg.back() / std::max(length_mm.back(), 1e-9));
   }
 };
 
@@ -87,6 +88,13 @@ VentricleTurns edge_turns(const TetMesh& mesh) {
   return turns;
 }
 
+/// Longer edges jump more: the atlas's jumps say something beside the mesh's only with both lengths.
+void add_atlas_jump_rows(const RegistrationFigures& figures, Report& report) {
+  if (figures.atlas_jump_p99_deg)
+    report.push_back(row("atlas", "neighbour_jump_p99", *figures.atlas_jump_p99_deg, "deg"));
+  if (figures.atlas_edge_p50_mm) report.push_back(row("atlas", "edge_p50", *figures.atlas_edge_p50_mm, "mm"));
+}
+
 void add_jump_rows(const TetMesh& mesh, const RegistrationFigures& figures, Report& report) {
   const auto [all, junction] = edge_turns(mesh);
   if (all.jump_deg.empty()) return;
@@ -95,6 +103,8 @@ void add_jump_rows(const TetMesh& mesh, const RegistrationFigures& figures, Repo
   report.push_back(
       row("ventricles", "neighbour_jump_max", *std::max_element(all.jump_deg.begin(), all.jump_deg.end()), "deg"));
   report.push_back(row("ventricles", "neighbour_turn_p99", quantile(all.turn_deg_per_mm, 0.99), "deg/mm"));
+  report.push_back(row("ventricles", "edge_p50", quantile(all.length_mm, 0.5), "mm"));
+  add_atlas_jump_rows(figures, report);
   if (figures.atlas_turn_p99_deg_per_mm)
     report.push_back(row("atlas", "neighbour_turn_p99", *figures.atlas_turn_p99_deg_per_mm, "deg/mm"));
   if (figures.carried_turn_p99_deg_per_wall && figures.atlas_turn_p99_deg_per_wall) {

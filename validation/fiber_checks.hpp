@@ -27,6 +27,7 @@ struct RegistrationFigures {
   /// the junction of the ventricles; and per mm at the atlas's junction.
   std::optional<double> atlas_turn_p99_deg_per_wall{}, carried_turn_p99_deg_per_wall{};
   std::optional<double> atlas_junction_turn_p99_deg_per_mm{};
+  std::optional<double> atlas_jump_p99_deg{}, atlas_edge_p50_mm{};  ///< of the edges that its turns are of
 };
 
 /// Helix angle against wall depth: the angle between the fibre's projection on the wall's tangent plane and the

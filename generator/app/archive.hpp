@@ -48,8 +48,9 @@ inline auto members(labels::GivenLabels& g) { return std::tie(g.labels, g.remark
 inline auto members(labels::TorsoPose& p) { return std::tie(p.torso_from_heart, p.scale, p.rms_mm, p.residual_mm); }
 inline auto members(DepthSamples& s) { return std::tie(s.depth, s.helix_deg); }
 inline auto members(fibers::AtlasFigures& f) {
-  return std::tie(f.atlas.lv, f.atlas.rv, f.carried.lv, f.carried.rv, f.there.lv, f.there.rv, f.turn_p99_deg_per_mm,
-                  f.atlas_turn_p99_deg_per_wall, f.carried_turn_p99_deg_per_wall, f.atlas_junction_turn_p99_deg_per_mm);
+  return std::tie(f.atlas.lv, f.atlas.rv, f.carried.lv, f.carried.rv, f.there.lv, f.there.rv, f.jump_p99_deg,
+                  f.turn_p99_deg_per_mm, f.edge_p50_mm, f.atlas_turn_p99_deg_per_wall, f.carried_turn_p99_deg_per_wall,
+                  f.atlas_junction_turn_p99_deg_per_mm);
 }
 inline auto members(fibers::FiberResult& f) {
   return std::tie(f.node, f.cell, f.source, f.atlas_distance_mm, f.wall_depth, f.min_jacobian, f.affine_rms_mm,

@@ -119,7 +119,9 @@ validation::RegistrationFigures registration_figures(const fibers::FiberResult& 
           figures.there.rv,
           figures.atlas_turn_p99_deg_per_wall,
           figures.carried_turn_p99_deg_per_wall,
-          figures.atlas_junction_turn_p99_deg_per_mm};
+          figures.atlas_junction_turn_p99_deg_per_mm,
+          figures.jump_p99_deg,
+          figures.edge_p50_mm};
 }
 
 Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, const Meshes& meshes,

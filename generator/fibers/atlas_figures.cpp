@@ -86,22 +86,29 @@ double angle_deg(const Vec3& f, const Vec3& g) {
   return std::atan2(norm(cross(f, g)), std::abs(dot(f, g))) * 180 / std::numbers::pi;
 }
 
-double p99(std::vector<double> values) {
+double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(values.size() - 1));
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
-double turn_p99(const atlas::FiberAtlas& atlas) {
-  std::vector<double> turns;
+double p99(std::vector<double> values) { return quantile(std::move(values), 0.99); }
+
+/// Along the edges of the atlas's own cells.
+void set_edge_turns(const atlas::FiberAtlas& atlas, AtlasFigures& figures) {
+  std::vector<double> jumps, turns, lengths;
   for (const auto& [first, second] : edges_of_cells(atlas.cells, atlas.points_mm.size())) {
     const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
     const double length = norm(atlas.points_mm[a] - atlas.points_mm[b]);
     if (atlas.fiber[a] == Vec3{} || atlas.fiber[b] == Vec3{} || length <= 0) continue;
-    turns.push_back(angle_deg(atlas.fiber[a], atlas.fiber[b]) / length);
+    jumps.push_back(angle_deg(atlas.fiber[a], atlas.fiber[b]));
+    turns.push_back(jumps.back() / length);
+    lengths.push_back(length);
   }
-  return p99(std::move(turns));
+  figures.jump_p99_deg = p99(std::move(jumps));
+  figures.turn_p99_deg_per_mm = p99(std::move(turns));
+  figures.edge_p50_mm = quantile(std::move(lengths), 0.5);
 }
 
 double carried_turn_per_wall(const CarriedAxes& c) {
@@ -168,7 +175,7 @@ AtlasFigures atlas_figures(const Hearts& hearts, const atlas::FiberAtlas& atlas,
   figures.atlas = {of_atlas(hearts.by_place.lv, hearts.atlas_depth.lv),
                    of_atlas(hearts.by_place.rv, hearts.atlas_depth.rv)};
   for (const bool left : {true, false}) add_carried(hearts, carried, left, figures);
-  figures.turn_p99_deg_per_mm = turn_p99(atlas);
+  set_edge_turns(atlas, figures);
   figures.carried_turn_p99_deg_per_wall = carried_turn_per_wall(carried);
   set_voxel_turns(hearts, figures);
   return figures;

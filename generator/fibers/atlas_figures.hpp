@@ -14,8 +14,9 @@ struct AtlasFigures {
   /// `carried`. Two hearts are not cut and shaped alike, so that medians over all of the one and all of the other
   /// differ even where every angle is carried exactly; those at corresponding places should not.
   Both<DepthSamples> atlas, carried, there;
-  double turn_p99_deg_per_mm = 0;  ///< angle between the axes at an edge's ends by its length, 99th percentile over the
-                                   ///< edges of the atlas's cells
+  /// Angle between the axes at an edge's ends, and the same by the edge's length: 99th percentiles over the edges of
+  /// the atlas's cells; and how long these are, the median. All zero where the atlas has no cells.
+  double jump_p99_deg = 0, turn_p99_deg_per_mm = 0, edge_p50_mm = 0;
   /// The same by the wall's thickness, off the junction: degrees over a length as long as the wall is thick. A thin
   /// wall must turn its fibres faster than a thick one to reach the same angles. Of the atlas between neighbouring
   /// voxels.

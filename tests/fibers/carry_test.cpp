@@ -8,6 +8,7 @@
 #include "datasets/phantom/phantom.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/mesh_edges.hpp"
 #include "support/model_heart.hpp"
 
 namespace heart::fibers {
@@ -101,6 +102,23 @@ TEST(CarryFibers, EveryNodeAndCellHasAnOrthonormalFrameAndASource) {
   check(result.node, patient().mesh.nodes_mm.size());
   check(result.cell, patient().mesh.cells.size());
   for (const auto source : result.source) ASSERT_NE(source, static_cast<std::uint8_t>(FiberSource::none));
+}
+
+TEST(CarryFibers, TheAtlassOwnJumpsAreThoseAlongItsOwnEdges) {
+  const auto atlas = plain_atlas();
+  std::vector<double> jumps, lengths;
+  for (const auto& [a, b] : edges_of_cells(atlas.cells, atlas.points_mm.size())) {
+    const auto m = static_cast<std::size_t>(a), n = static_cast<std::size_t>(b);
+    jumps.push_back(axis_angle_deg(atlas.fiber[m], atlas.fiber[n]));
+    lengths.push_back(norm(atlas.points_mm[m] - atlas.points_mm[n]));
+  }
+  const auto share_below = [](const std::vector<double>& values, double limit) {
+    return static_cast<double>(std::ranges::count_if(values, [&](double v) { return v < limit; })) /
+           static_cast<double>(values.size());
+  };
+  const auto& figures = plain_result().figures;
+  EXPECT_NEAR(share_below(jumps, figures.jump_p99_deg), 0.99, 1e-3);
+  EXPECT_NEAR(share_below(lengths, figures.edge_p50_mm), 0.5, 1e-3);
 }
 
 TEST(CarryFibers, NeitherSignsOfTheAtlasNorTheNumberOfThreadsChangeABit) {

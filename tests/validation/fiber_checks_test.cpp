@@ -186,6 +186,18 @@ TEST(CheckFibers, ABreakWhereTheVentriclesMeetShows) {
   EXPECT_GT(find(broken, "septum_junction", "neighbour_jump_p99").value, 60);
 }
 
+TEST(CheckFibers, JumpsStandBesideTheAtlassOwnWithTheLengthsOfBothMeshesEdges) {
+  RegistrationFigures figures;
+  figures.atlas_jump_p99_deg = 58;
+  figures.atlas_edge_p50_mm = 2.5;
+  const auto report = check_fibers(pipe(), figures, {});
+  EXPECT_EQ(find(report, "atlas", "neighbour_jump_p99").value, 58);
+  EXPECT_EQ(find(report, "atlas", "edge_p50").value, 2.5);
+  // Of the seven kinds of edges of a pipe's split blocks three are shorter and three longer than those along it.
+  EXPECT_NEAR(find(report, "ventricles", "edge_p50").value, length_mm / along_count, 1e-9);
+  for (const auto& row : check_fibers(pipe(), {}, {})) EXPECT_NE(row.scope, "atlas") << row.metric;
+}
+
 TEST(CheckFibers, HelixNearTheSurfacesIsComparedWithTheAtlas) {
   RegistrationFigures figures;
   for (int n = 0; n <= 200; ++n) {

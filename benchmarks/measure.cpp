@@ -16,11 +16,6 @@
 namespace heart::benchmarks {
 namespace {
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 /// A field of /proc/self/status, in bytes.
 double status_bytes(const std::string& field) {
   std::ifstream status("/proc/self/status");
@@ -47,6 +42,11 @@ double now() {
 
 void count_processor_time(bool instead) { processor_time = instead; }
 
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double seconds(const std::function<void()>& work) {
@@ -62,14 +62,9 @@ double median_seconds(int repeats, const std::function<void()>& work) {
   return median(times);
 }
 
-double median_seconds(int repeats, const parallel::Comm& comm, const std::function<void()>& work) {
-  work();
-  std::vector<double> times;
-  for (int n = 0; n < repeats; ++n) {
-    parallel::barrier(comm);
-    times.push_back(parallel::max(comm, seconds(work)));
-  }
-  return median(times);
+double slowest_seconds(const parallel::Comm& comm, const std::function<void()>& work) {
+  parallel::barrier(comm);
+  return parallel::max(comm, seconds(work));
 }
 
 double triad_bandwidth() {

@@ -33,8 +33,11 @@ double processor_seconds();
 /// Median of `repeats` runs, after one that is not counted.
 double median_seconds(int repeats, const std::function<void()>& work);
 
-/// The same with all ranks starting together and the slowest counting. @collective
-double median_seconds(int repeats, const parallel::Comm& comm, const std::function<void()>& work);
+/// Seconds of work() on all ranks, which start together; the slowest counts. @collective
+double slowest_seconds(const parallel::Comm& comm, const std::function<void()>& work);
+
+/// The middle one; of an even number the larger of the two in the middle.
+double median(std::vector<double> values);
 
 /// Bytes per second of a[i] = b[i] + s c[i] on arrays much larger than the caches, 12 bytes counted for each element
 /// as STREAM does (McCalpin 1995), with the threads that parallel_for uses.

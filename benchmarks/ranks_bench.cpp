@@ -41,6 +41,9 @@ Slabs make_slabs(const Volume<float>& image_on_root, const Comm& comm) {
           parallel::scatter(domain_on_root, comm), parallel::scatter(band_on_root, comm)};
 }
 
+/// Of every stage.
+constexpr int iterations = 20;
+
 struct Stage {
   const char* name;
   void (*run)(const Slabs& s, const Comm& comm);
@@ -48,25 +51,45 @@ struct Stage {
 
 constexpr Stage stages[] = {
     {"Chan-Vese, convex",
-     [](const Slabs& s, const Comm& comm) { chan_vese(s.image, s.domain, {.mu = 0.5, .max_iterations = 20}, comm); }},
+     [](const Slabs& s, const Comm& comm) {
+       chan_vese(s.image, s.domain, {.mu = 0.5, .max_iterations = iterations}, comm);
+     }},
     {"Chan-Vese, semi-explicit",
      [](const Slabs& s, const Comm& comm) {
        auto phi = s.image;
-       sweep_flow(s.image, s.domain, phi, 50, 300, {}, 10, comm);
+       sweep_flow(s.image, s.domain, phi, 50, 300, {}, iterations, comm);
      }},
     {"Perona-Malik",
      [](const Slabs& s, const Comm& comm) {
        auto image = s.image;
-       perona_malik(image, {.iterations = 10}, comm);
+       perona_malik(image, {.iterations = iterations}, comm);
      }},
     {"minimal cut",
-     [](const Slabs& s, const Comm& comm) { minimal_cut(s.weight, s.band, {.max_iterations = 20}, comm); }},
+     [](const Slabs& s, const Comm& comm) { minimal_cut(s.weight, s.band, {.max_iterations = iterations}, comm); }},
     {"total variation",
      [](const Slabs& s, const Comm& comm) {
        auto image = s.image;
-       total_variation_l2(image, {.iterations = 10}, comm);
+       total_variation_l2(image, {.iterations = iterations}, comm);
      }},
 };
+
+struct Times {
+  double together = 0, one = 0;  ///< median seconds
+};
+
+/// Runs on all ranks and on the root alone by turns: both meet the machine in the same hour. @collective
+Times measure(const Stage& stage, const Slabs& shared, const Slabs& whole, int repeats, const Comm& comm) {
+  const auto alone = [&] { stage.run(whole, parallel::self()); };
+  stage.run(shared, comm);
+  std::vector<double> together, one;
+  for (int n = 0; n < repeats; ++n) {
+    together.push_back(slowest_seconds(comm, [&] { stage.run(shared, comm); }));
+    one.push_back(comm.is_root() ? seconds(alone) : 0);
+  }
+  Times times{median(together), median(one)};
+  parallel::broadcast(comm, times);
+  return times;
+}
 
 /// How many times the memory of one rank all ranks together have: a stage that waits for memory gains no more.
 double bandwidth_gain(const Comm& comm) {
@@ -90,12 +113,10 @@ Table bench_ranks(const Settings& settings, const Comm& comm) {
   const Slabs shared = make_slabs(image, comm);
   const Slabs whole = comm.is_root() ? make_slabs(image, parallel::self()) : Slabs{};
   for (const auto& stage : stages) {
-    const double together = median_seconds(settings.repeats, comm, [&] { stage.run(shared, comm); });
-    double one = 0;
-    if (comm.is_root()) one = median_seconds(settings.repeats, [&] { stage.run(whole, parallel::self()); });
-    parallel::broadcast(comm, one);
-    table.push_back({"ranks", fmt::format("{}, {} ranks against one", stage.name, comm.size), one / together, "times",
-                     fmt::format("{:.2f} s and {:.2f} s; 1.9 at 2 ranks is the goal", together, one)});
+    const auto times = measure(stage, shared, whole, settings.repeats, comm);
+    table.push_back({"ranks", fmt::format("{}, {} ranks against one", stage.name, comm.size),
+                     times.one / times.together, "times",
+                     fmt::format("{:.2f} s and {:.2f} s; 1.9 at 2 ranks is the goal", times.together, times.one)});
   }
   table.push_back({"ranks", fmt::format("memory bandwidth (triad), {} ranks against one", comm.size),
                    bandwidth_gain(comm), "times", "of the machine: what waits for memory gains no more"});

@@ -2,7 +2,7 @@
 //
 // The dual field of a row needs the primal rows (j, k), (j + 1, k), (j, k + 1); the primal row then needs the dual rows
 // (j, k), (j - 1, k), (j, k - 1). Walking the rows in memory order, both are done in one pass in place. Where a thread
-// (or a rank) begins, the dual rows of the slice below are done beforehand.
+// (or a rank) begins, the dual rows of the slice below are done beforehand. Several iterations are done in one pass.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include "generator/parallel/slab.hpp"
 #include "generator/segment/row_kernels.hpp"
 #include "generator/segment/row_runs.hpp"
+#include "generator/segment/wavefront.hpp"
 
 namespace heart::segment {
 
@@ -96,75 +97,66 @@ void primal_dual_sweep(PrimalDualFields& f, const parallel::Comm& comm, Dual&& d
   parallel::exchange_halo(f.bar, comm);
 }
 
-/// Rows that fit into a processor's own cache with all fields, twice: of a slice and of the one before it.
-inline std::int64_t rows_in_cache(std::int64_t nx) {
-  constexpr std::int64_t cache_bytes = 1 << 20, bytes_per_voxel = 48;
-  return std::max<std::int64_t>(cache_bytes / (2 * bytes_per_voxel * nx), 4);
-}
+/// What a pass moves of a voxel: u, its extrapolation, three dual fields, and data of the problem.
+constexpr std::int64_t bytes_of_primal_dual = 28;
 
-/// Two iterations of the slices [first, end), as far as they need no slice beyond: the first iteration but for the dual
-/// rows of the last slice, which are done; the second but for the last slice and the primal rows of the first one. It
-/// follows a row and a slice behind the first, and does in a row what that leaves in the cache: the fields come from
-/// memory once for both.
+/// All that a piece can do of the iterations of a pass without its neighbours. Iteration n: dual rows of the slices
+/// whose upper neighbours are done, primal rows of those whose dual rows below are. Those of the last slice were done
+/// for iteration 0: the slice above it may be another thread's, which goes on meanwhile.
 template <class Dual, class Primal>
-void primal_dual_pair_inside(std::int64_t ny, std::int64_t block, std::int64_t first, std::int64_t end, Dual&& dual,
-                             Primal&& primal) {
-  for (std::int64_t begin = 0; begin < ny; begin += block) {
-    const auto stop = std::min(begin + block, ny);
-    const auto second_begin = std::max<std::int64_t>(begin - 1, 0), second_stop = stop < ny ? stop - 1 : ny;
-    for (auto k = first; k < end; ++k) {
-      for (auto j = begin; j < stop; ++j) {
-        if (k + 1 < end) dual(j, k);
-        primal(j, k);
-      }
-      if (k == first) continue;
-      for (auto j = second_begin; j < second_stop; ++j) {
-        dual(j, k - 1);
-        if (k - 1 > first) primal(j, k - 1);
-      }
+void primal_dual_inside(const Piece& piece, std::int64_t ny, std::int64_t block, int depth, Dual&& dual,
+                        Primal&& primal) {
+  for_wavefront(piece, ny, block, depth, [&](std::int64_t n, std::int64_t from, std::int64_t to, std::int64_t k) {
+    const bool with_dual =
+        k >= piece.lower(std::max<std::int64_t>(n - 1, 0)) && k < piece.upper(std::max<std::int64_t>(n, 1));
+    const bool with_primal = k >= piece.lower(n) && k < piece.upper(n);
+    for (auto j = from; j < to; ++j) {
+      if (with_dual) dual(j, k);
+      if (with_primal) primal(j, k);
     }
-  }
+  });
 }
 
-/// Two iterations, with the bits of two sweeps. @collective
+/// A pass of `depth` iterations, with the bits of as many sweeps. Pieces have 2 depth slices or more. @collective
 template <class Dual, class Primal>
-void primal_dual_pair(PrimalDualFields& f, const parallel::Comm& comm, Dual&& dual, Primal&& primal) {
-  const auto ny = f.bar.grid.size[1], first = f.bar.first, end = f.bar.end();
-  const auto for_slice = [&](auto&& row, std::int64_t k) {
-    for (std::int64_t j = 0; j < ny; ++j) row(j, k);
+void primal_dual_pass(PrimalDualFields& f, int depth, const parallel::Comm& comm, Dual&& dual, Primal&& primal) {
+  const auto ny = f.bar.grid.size[1];
+  const auto block = rows_of_block(f.bar.grid.size[0], depth, bytes_of_primal_dual);
+  const auto pieces = pieces_of(f.bar);
+  const auto slices = [&](auto&& row, std::int64_t from, std::int64_t to) {
+    for (auto k = from; k < to; ++k)
+      for (std::int64_t j = 0; j < ny; ++j) row(j, k);
   };
-  const auto dual_of_last_slices = [&] {
-    if (f.bar.count && first > 0)
+  for (int n = 0; n < depth; ++n) {
+    if (f.bar.first > 0)
       parallel::parallel_for(0, ny, [&](std::int64_t from, std::int64_t to) {
-        for (auto j = from; j < to; ++j) dual(j, first - 1);
+        for (auto j = from; j < to; ++j) dual(j, f.bar.first - 1);
       });
-    parallel::parallel_for(first, end, [&](std::int64_t, std::int64_t to) { for_slice(dual, to - 1); });
-  };
-  dual_of_last_slices();
-  parallel::parallel_for(first, end, [&](std::int64_t from, std::int64_t to) {
-    primal_dual_pair_inside(ny, rows_in_cache(f.bar.grid.size[0]), from, to, dual, primal);
-  });
-  parallel::exchange_halo(f.bar, comm);
-  dual_of_last_slices();
-  parallel::parallel_for(first, end, [&](std::int64_t from, std::int64_t to) {
-    for_slice(primal, from);
-    if (to - 1 > from) for_slice(primal, to - 1);
-  });
-  parallel::exchange_halo(f.bar, comm);
-}
-
-/// Whether threads have enough slices for pairs of iterations: each does its first and last slice by itself.
-inline bool pairs_pay(const PrimalDualFields& f) {
-  constexpr std::int64_t least_slices = 8;
-  return f.bar.count >= least_slices * parallel::thread_count();
+    for_pieces(pieces, [&](const Piece& piece) {
+      if (n > 0) slices(dual, piece.first, piece.lower(n - 1));
+      slices(dual, piece.upper(std::max(n, 1)), piece.end);
+    });
+    for_pieces(pieces, [&](const Piece& piece) {
+      if (n == 0) return primal_dual_inside(piece, ny, block, depth, dual, primal);
+      slices(primal, piece.first, piece.lower(n));
+      slices(primal, piece.upper(n), piece.end);
+    });
+    parallel::exchange_halo(f.bar, comm);
+  }
 }
 
 /// Iterations with the bits of as many sweeps, one after the other. @collective
 template <class Dual, class Primal>
 void primal_dual_sweeps(PrimalDualFields& f, int count, const parallel::Comm& comm, Dual&& dual, Primal&& primal) {
-  // A rank that does pairs and one that does not exchange the same slices.
-  for (; count > 1 && pairs_pay(f); count -= 2) primal_dual_pair(f, comm, dual, primal);
-  for (; count > 0; --count) primal_dual_sweep(f, comm, dual, primal);
+  // Ranks may go by passes of different depths: they exchange the same slices once an iteration.
+  while (count > 0) {
+    const int depth = pass_depth(f.bar, count);
+    if (depth > 1)
+      primal_dual_pass(f, depth, comm, dual, primal);
+    else
+      primal_dual_sweep(f, comm, dual, primal);
+    count -= depth;
+  }
 }
 
 }  // namespace heart::segment

@@ -7,16 +7,15 @@
 
 namespace heart::segment {
 
-/// Row (j, k) with its neighbouring rows. Beyond the image the border is repeated: along y here, along z by the ghost
-/// slices. No flux goes through it.
+/// Row (j, k) with its neighbouring rows. Beyond the image the border is repeated: no flux goes through it.
 inline StencilRow stencil_row(const parallel::Slab<float>& image, parallel::Slab<float>& out, std::int64_t j,
                               std::int64_t k) {
-  const auto rows = image.grid.size[1];
+  const auto rows = image.grid.size[1], slices = image.grid.size[2];
   return {image.row(j, k),
           image.row(std::max<std::int64_t>(j - 1, 0), k),
           image.row(std::min(j + 1, rows - 1), k),
-          image.row(j, k - 1),
-          image.row(j, k + 1),
+          image.row(j, std::max<std::int64_t>(k - 1, 0)),
+          image.row(j, std::min(k + 1, slices - 1)),
           out.row(j, k),
           image.grid.size[0]};
 }

@@ -28,8 +28,9 @@ using testing::length;
 using testing::noisy;
 using testing::volume_of;
 
-/// Images with many slices, fewer slices than ranks, and one slice.
-const Index3 sizes[] = {{14, 11, 13}, {12, 9, 31}, {12, 9, 2}, {16, 12, 1}};
+/// Images with many slices, fewer slices than ranks, one slice, and enough slices for passes of several iterations, of
+/// different depths on different numbers of ranks.
+const Index3 sizes[] = {{14, 11, 13}, {12, 9, 31}, {12, 9, 2}, {16, 12, 1}, {9, 7, 130}};
 
 /// The image as a collective sees it: on the root only.
 template <class T>

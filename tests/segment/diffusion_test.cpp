@@ -52,6 +52,23 @@ TEST(Heat, RefusesUnstableSteps) {
   EXPECT_THROW(heat(image, {-1, 0.1}, alone), UserError);
 }
 
+/// Slices enough for several steps in a pass, in one thread, two or three, and blocks smaller than a slice.
+TEST(Diffusion, ManyStepsHaveTheBitsOfSingleOnes) {
+  for (const Index3 size : {Index3{3000, 17, 34}, Index3{19, 14, 75}, Index3{33, 21, 1}}) {
+    const auto image = noisy(volume_of(grid_of(size, {0.5, 0.8, 1.2}), [](double x, double, double) { return x; }), 30);
+    const DenoiseSettings once{.iterations = 1}, often{.iterations = 7};
+    auto heated = image, denoised = image;
+    for (int n = 0; n < 7; ++n) {
+      heated = heat(heated, {1, 0.15}, alone);
+      denoised = perona_malik(denoised, once, alone);
+    }
+    for (const auto& voxels : at_threads([&] { return heat(image, {7, 0.15}, alone).voxels; }))
+      EXPECT_EQ(voxels, heated.voxels);
+    for (const auto& voxels : at_threads([&] { return perona_malik(image, often, alone).voxels; }))
+      EXPECT_EQ(voxels, denoised.voxels);
+  }
+}
+
 TEST(PeronaMalik, HalvesTheFluxAtTheEdgeContrast) {
   Volume<float> pair(grid_of({2, 1, 1}));
   pair.voxels = {0, 60};

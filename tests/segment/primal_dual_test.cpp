@@ -29,20 +29,27 @@ std::vector<parallel::Pages<float>> fields_after(const Volume<float>& image, Adv
   return {f.u.values, f.bar.values, f.px.values, f.py.values, f.pz.values};
 }
 
-/// Rows as long as a slice takes several blocks of them; slices that one thread, two or three have enough of for pairs.
-TEST(PrimalDual, PairsHaveTheBitsOfSingleSweeps) {
-  constexpr int iterations = 5;
-  for (const Index3 size : {Index3{2600, 11, 9}, Index3{2600, 13, 30}, Index3{17, 12, 25}, Index3{33, 1, 16}}) {
-    const auto image = testing::noisy(
-        testing::volume_of(grid_of(size, {0.5, 0.7, 1.2}),
-                           [](double x, double y, double z) { return length(x / 40, y, z) < 4 ? 1 : 0; }),
-        0.2);
+Volume<float> noisy_ball(Index3 size) {
+  return testing::noisy(testing::volume_of(grid_of(size, {0.5, 0.7, 1.2}),
+                                           [](double x, double y, double z) { return length(x / 40, y, z) < 4; }),
+                        0.2);
+}
+
+auto after_single_sweeps(const Volume<float>& image, int iterations) {
+  return fields_after(image, [&](auto& f, auto&& dual, auto&& primal) {
+    for (int n = 0; n < iterations; ++n) primal_dual_sweep(f, parallel::self(), dual, primal);
+  });
+}
+
+/// Rows so long that a slice takes several blocks of them; slices that one thread, two or three have enough of.
+TEST(PrimalDual, PassesHaveTheBitsOfSingleSweeps) {
+  constexpr int iterations = 7;
+  for (const Index3 size : {Index3{2600, 11, 9}, Index3{2600, 13, 34}, Index3{17, 12, 70}, Index3{33, 1, 16}}) {
+    const auto image = noisy_ball(size);
     if (size[0] > 2000) {
-      ASSERT_LT(2 * rows_in_cache(size[0]), size[1]);
+      ASSERT_LT(2 * rows_of_block(size[0], 2, bytes_of_primal_dual), size[1]);
     }
-    const auto single = fields_after(image, [&](auto& f, auto&& dual, auto&& primal) {
-      for (int n = 0; n < iterations; ++n) primal_dual_sweep(f, parallel::self(), dual, primal);
-    });
+    const auto single = after_single_sweeps(image, iterations);
     const auto results = at_threads([&] {
       return fields_after(image, [&](auto& f, auto&& dual, auto&& primal) {
         primal_dual_sweeps(f, iterations, parallel::self(), dual, primal);
@@ -50,6 +57,21 @@ TEST(PrimalDual, PairsHaveTheBitsOfSingleSweeps) {
     });
     for (const auto& result : results) EXPECT_EQ(result, single) << size[0] << ' ' << size[2];
   }
+}
+
+/// Pieces as thin as a pass allows, and blocks with fewer rows than a pass has iterations.
+TEST(PrimalDual, APassOfAnyDepthHasTheBitsOfSingleSweeps) {
+  for (const int depth : {2, 3, 4, 7})
+    for (const std::int64_t rows : {3, 23}) {
+      const auto image = noisy_ball({1200, rows, 2 * 3 * depth});
+      const auto single = after_single_sweeps(image, depth);
+      const auto results = at_threads([&] {
+        return fields_after(image, [&](auto& f, auto&& dual, auto&& primal) {
+          primal_dual_pass(f, depth, parallel::self(), dual, primal);
+        });
+      });
+      for (const auto& result : results) EXPECT_EQ(result, single) << depth << ' ' << rows;
+    }
 }
 
 }  // namespace

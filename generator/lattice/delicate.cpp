@@ -68,10 +68,7 @@ LatticePart delicate_part(const Lattice& lattice) {
 
 bool is_in_core(const LatticePart& part, const Vec3& position_mm) {
   const auto& tree = part.lattice.tree;
-  const Vec3 way = position_mm - tree.origin_mm;
-  Place at;
-  for (int axis = 0; axis < 3; ++axis)
-    at[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(way[axis] / tree.step_mm[axis]);
+  const Place at = tree.finest_cell_at(position_mm);
   return tree.contains(at) && part.is_core[tree.offset(tree.leaf_over(at).low)] != 0;
 }
 

@@ -267,34 +267,51 @@ struct Job {
   bool is_put_back = false;
 };
 
-// The outer ones of the whole's faces that may lie around one of the places: most lie far from all of them.
+// The outer ones of some faces that may lie around one of the places.
 FacesByHeight outer_faces_near(const Complex& c, const std::vector<SurfaceFace>& faces, const std::vector<Job>& jobs) {
   MarkedCubes cubes(box_around(c.nodes_mm));
   for (const auto& job : jobs) cubes.mark(box_around(job.place.part.nodes_mm));
-  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& near) {
-    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
-      if ((faces[f].labels & bit_of(0)) != 0 && cubes.may_meet(box_of(c, faces[f].nodes)))
-        near.push_back(faces[f].nodes);
-  };
-  return by_height(c, parallel::gather<Face>(0, static_cast<std::int64_t>(faces.size()), find));
+  std::vector<Face> near;
+  for (const auto& face : faces)
+    if ((face.labels & bit_of(0)) != 0 && cubes.may_meet(box_of(c, face.nodes))) near.push_back(face.nodes);
+  return by_height(c, near);
 }
 
-// One way of several to divide a face: its longest edge, the second, the third, all, in its middle. Then again, a
-// little shaken up.
+// The faces that places around some misfits, and places around what was made of these, can have around them: of a large
+// mesh, few.
+std::vector<SurfaceFace> faces_near(const Complex& c, const std::vector<SurfaceFace>& faces,
+                                    const std::vector<Face>& misfits) {
+  constexpr double margin = 10;  // lattice widths
+  MarkedCubes cubes(box_around(c.nodes_mm));
+  for (const auto& face : misfits) {
+    auto box = box_of(c, face);
+    const double reach = margin * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(face[0])]);
+    box.low -= Vec3{reach, reach, reach};
+    box.high += Vec3{reach, reach, reach};
+    cubes.mark(box);
+  }
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<SurfaceFace>& near) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
+      if (cubes.may_meet(box_of(c, faces[f].nodes))) near.push_back(faces[f]);
+  };
+  return parallel::gather<SurfaceFace>(0, static_cast<std::int64_t>(faces.size()), find);
+}
+
+// One way of several to divide a face: its longest edge, the second, the third, in its middle. Then again, a little
+// shaken up.
 void divide(Complex& part, const Materials& materials, const Face& face, int way, std::uint32_t seed) {
-  constexpr int ways = 5;
+  constexpr int ways = 4;
   constexpr double shake = 0.01;  // of the lattice's width
   if (way >= ways) shake_up(part, materials, shake * way, static_cast<std::uint32_t>(way) + 1000 * seed);
-  if (way % ways == 4) {
+  if (way % ways == 3) {
     pierce_face(part, materials, face);
     return;
   }
   std::array<std::pair<double, std::size_t>, 3> edges;
   for (std::size_t i = 0; i < 3; ++i) edges[i] = {-norm(part.at(face[i]) - part.at(face[(i + 1) % 3])), i};
   std::sort(edges.begin(), edges.end());
-  for (int which = 0; which < 3; ++which)
-    if (const std::size_t i = edges[static_cast<std::size_t>(which)].second; way % ways == 3 || way % ways == which)
-      halve_edge(part, materials, face[i], face[(i + 1) % 3]);
+  const std::size_t i = edges[static_cast<std::size_t>(way % ways)].second;
+  halve_edge(part, materials, face[i], face[(i + 1) % 3]);
 }
 
 // Gives cells the regions in which they lie, where that is only a matter of tips and tails: tails go from their end on.
@@ -319,7 +336,8 @@ void fit(Job& job, const Materials& materials, RepairSettings repairing, const F
          const Effort& effort) {
   repairing.may_relabel = false;  // labels beyond the place are not seen
   repairing.goal = repairing.least = settings.enough + 0.0004;
-  repairing.sweeps = 6;  // without shakes: another way is cheaper
+  repairing.sweeps = 6;        // without shakes: another way is cheaper
+  repairing.tolerance = 0.08;  // else nodes leave the crease that they were put on
   const double least = std::min(settings.enough, worst_quality(job.place.part));
   job.fitness = fitness_of(job.place.part, materials, settings);
   job.first = job.fitness;
@@ -328,8 +346,8 @@ void fit(Job& job, const Materials& materials, RepairSettings repairing, const F
   for (int attempt = 0; attempt < effort.most_tries && job.fitness.misery > 0; ++attempt, ++way) {
     job.work += static_cast<std::int64_t>(job.place.part.cells.size());
     Complex tried = job.best.cells.empty() ? job.place.part : job.best;
-    if (way > 0 || !relabel_strays(tried, materials))
-      divide(tried, materials, job.fitness.worst, std::max(way - 1, 0), effort.seed);
+    if (way == 0 && !relabel_strays(tried, materials)) way = 1;
+    if (way > 0) divide(tried, materials, job.fitness.worst, way - 1, effort.seed);
     repair(tried, materials, repairing);
     draw_to_surfaces(tried, materials, settings.enough);
     balance_surfaces(tried, materials, settings.enough);
@@ -376,7 +394,7 @@ struct Fitting {
   const Materials* materials;
   const RepairSettings* repairing;
   const FitSettings* settings;
-  std::vector<SurfaceFace> faces;     // of the mesh as it is
+  std::vector<SurfaceFace> faces;     // of the mesh as it is; once misfits are known, near them
   std::vector<std::int32_t> changed;  // nodes of places that were put back
   std::int64_t work_left;
 };
@@ -443,12 +461,14 @@ std::vector<SurfaceFace> suspects(Fitting& fitting, std::vector<Face> before) {
 std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
                        const FitSettings& settings) {
   // Most places need little, and work that some waste others lack.
-  constexpr std::array efforts{Effort{2, 10, 0, false}, Effort{3, 10, 0, false}, Effort{3, 20, 1, true}};
+  constexpr std::array efforts{Effort{2, 10, 0, false}, Effort{3, 10, 0, false}, Effort{3, 20, 1, true},
+                               Effort{3, 30, 2, true}};
   constexpr std::size_t usual_cells = 1'500'000;
   const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
   Fitting fitting{&complex, &materials, &repairing, &settings, surface_faces(complex), {}, 0};
   fitting.work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(cells));
   const auto found = misfits(complex, materials, settings, fitting.faces);
+  fitting.faces = faces_near(complex, fitting.faces, found);
   auto missed = found;
   for (const auto& effort : efforts) missed = fit_places(fitting, std::move(missed), effort);
   std::sort(missed.begin(), missed.end());

@@ -15,7 +15,7 @@ struct FitSettings {
   double aim = 0.29;       ///< distance of a face's centre and nodes from their surfaces and regions, in its edges
   double enough = 0.5116;  ///< quality that the cells at such places must keep
   LabelBits labels = ~0U;  ///< only surfaces of these
-  double most_work = 0.2;  ///< cells repaired at all places and tries together, over the mesh's cells (or 1.5 million),
+  double most_work = 0.3;  ///< cells repaired at all places and tries together, over the mesh's cells (or 1.5 million),
                            ///< about: the worst faces come first, what is left then stays as it is
 };
 

@@ -2,6 +2,7 @@
 // most a factor of two. Its root cells fill the box exactly, so that the sides of the box are planes of the lattice.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -49,6 +50,12 @@ struct Octree {
   Leaf leaf_over(const Place& at) const {
     const std::int32_t number = level[offset(at)], rest = (1 << number) - 1;
     return {{at[0] & ~rest, at[1] & ~rest, at[2] & ~rest}, number};
+  }
+  /// The finest cell over a position, or beside the box where that lies beyond it.
+  Place finest_cell_at(const Vec3& p_mm) const {
+    const auto along = [](double way_mm, double step) { return static_cast<std::int32_t>(std::floor(way_mm / step)); };
+    return {along(p_mm.x - origin_mm.x, step_mm.x), along(p_mm.y - origin_mm.y, step_mm.y),
+            along(p_mm.z - origin_mm.z, step_mm.z)};
   }
   /// Places are in finest cells, and may lie between their corners.
   Vec3 position_mm(const std::array<double, 3>& at) const {

@@ -66,13 +66,12 @@ std::vector<Vec3> far_strays(const Complex& c, const Materials& materials, Label
   return parallel::gather<Vec3>(0, static_cast<std::int64_t>(c.cells.size()), find);
 }
 
-bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_mm, const Materials& materials,
-               int halvings) {
+bool add_spots(Materials& materials, const std::vector<Vec3>& positions_mm, int halvings) {
   constexpr double radius_edges = 3.2;
   constexpr double well_inside = 0.5;  // of the radius
   constexpr std::size_t most_spots = 100;
-  const auto before = spots;
-  auto all = spots;
+  const auto& before = materials.spots;
+  auto all = before;
   for (const auto& p : positions_mm) {
     FineSpot spot{p, 0, std::min(most_halvings, halvings + halvings_at(before, p))};
     spot.radius_mm = radius_edges * std::ldexp(materials.edge_mm(p), 1 - spot.halvings);
@@ -81,8 +80,8 @@ bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_
     };
     if (std::none_of(all.begin(), all.end(), covers)) all.push_back(spot);
   }
-  if (all.size() == spots.size() || all.size() > most_spots) return false;
-  spots = std::move(all);
+  if (all.size() == before.size() || all.size() > most_spots) return false;
+  materials.spots = std::move(all);
   return true;
 }
 

@@ -24,7 +24,6 @@ std::vector<Vec3> far_strays(const Complex& complex, const Materials& materials,
 /// Adds a spot of a few edges around each position, so much finer than it is there already (three halvings at most),
 /// but where another one of the kind covers it well. Returns whether there are more spots now; none are added beyond a
 /// number at which the whole would have to be finer.
-bool add_spots(std::vector<FineSpot>& spots, const std::vector<Vec3>& positions_mm, const Materials& materials,
-               int halvings);
+bool add_spots(Materials& materials, const std::vector<Vec3>& positions_mm, int halvings);
 
 }  // namespace heart::lattice

@@ -103,8 +103,7 @@ bool is_better(const Attempt& a, const Attempt& b) {
 
 /// What every attempt at a mesh is told.
 struct Task {
-  const lattice::Materials* wanted;
-  std::vector<lattice::FineSpot> spots;  // where edges as wanted were too long
+  lattice::Materials materials;  // with spots where edges as wanted were too long
   std::span<const LabelSet> manifold_sets;
   std::int64_t crumb_cells;
   LatticeAims aims;
@@ -133,7 +132,7 @@ std::vector<Vec3> places_of_meeting(const lattice::Complex& c) {
 
 void finish(Attempt& made, const Task& task) {
   auto& c = made.complex;
-  const auto& materials = *task.wanted;
+  const auto& materials = task.materials;
   lattice::rescue(c, materials, task.repairing, kept_quality, lattice::OnFailure::go_on);
   task.watch->note("polish");
   lattice::ease_faces(c, materials, task.repairing.least, task.aims.fitted);
@@ -149,26 +148,23 @@ void finish(Attempt& made, const Task& task) {
 // Adds spots where labels do not fit into a lattice; whether there are any. Only its delicate part is stuffed for that.
 bool find_spots(Task& task, const lattice::Lattice& lattice, const lattice::StuffSettings& stuffing) {
   const auto part = lattice::delicate_part(lattice);
-  auto complex = lattice::stuff(*task.wanted, part.lattice, stuffing);
+  auto complex = lattice::stuff(task.materials, part.lattice, stuffing);
   const auto is_changed = settle_cells(complex, task.manifold_sets, task.crumb_cells);
-  auto strays = lattice::far_strays(complex, *task.wanted, task.aims.fitted, is_changed);
+  auto strays = lattice::far_strays(complex, task.materials, task.aims.fitted, is_changed);
   std::erase_if(strays, [&](const Vec3& p) { return !lattice::is_in_core(part, p); });
-  return lattice::add_spots(task.spots, strays, *task.wanted, 1);
+  return lattice::add_spots(task.materials, strays, 1);
 }
 
 lattice::Complex stuff_and_settle(Task& task, double reach) {
   lattice::StuffSettings stuffing;
   stuffing.edge_reach = reach;
-  auto materials = *task.wanted;
-  materials.spots = task.spots;
-  auto lattice = lattice::lay_lattice(materials);
-  if (task.aims.refines && task.spots.empty()) {
+  auto lattice = lattice::lay_lattice(task.materials);
+  if (task.aims.refines && task.materials.spots.empty()) {
     const bool is_refined = find_spots(task, lattice, stuffing);
     task.watch->note("find spots");
-    materials.spots = task.spots;
-    if (is_refined) lattice = lattice::lay_lattice(materials);
+    if (is_refined) lattice = lattice::lay_lattice(task.materials);
   }
-  auto complex = lattice::stuff(materials, lattice, stuffing);
+  auto complex = lattice::stuff(task.materials, lattice, stuffing);
   task.watch->note("stuff");
   settle(complex, task.manifold_sets, task.crumb_cells);
   task.watch->note("settle");
@@ -177,7 +173,7 @@ lattice::Complex stuff_and_settle(Task& task, double reach) {
 
 // Fits only what has no cell that is too bad: else another attempt follows, which may be better.
 Attempt attempt(Task& task, double reach) {
-  const auto& materials = *task.wanted;
+  const auto& materials = task.materials;
   auto& watch = *task.watch;
   Attempt made{stuff_and_settle(task, reach)};
   made.below_goal = repair_on_curves(made.complex, materials, task.repairing);
@@ -219,7 +215,7 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
 lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report, const LatticeAims& aims) {
   StepWatch watch{report};
-  Task task{&materials, {}, manifold_sets, crumb_cells, aims, {}, &watch};
+  Task task{materials, manifold_sets, crumb_cells, aims, {}, &watch};
   Attempt best;
   const auto is_enough_with = [&](double reach) {
     auto made = attempt(task, reach);
@@ -227,13 +223,14 @@ lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<
     return best.meeting == 0 && best.worst >= aims.enough;
   };
   bool is_enough = is_enough_with(reaches[0]);
-  if (!is_enough && !task.spots.empty()) {  // what shorter edges bring out may be too narrow even for them
-    task.spots.clear();
+  auto& spots = task.materials.spots;
+  if (!is_enough && !spots.empty()) {  // what shorter edges bring out may be too narrow even for them
+    spots.clear();
     task.aims.refines = false;
     is_enough = is_enough_with(reaches[0]);
   }
   for (std::size_t i = 1; i < reaches.size() && !is_enough; ++i) {
-    lattice::add_spots(task.spots, places_of_meeting(best.complex), materials, 2);
+    lattice::add_spots(task.materials, places_of_meeting(best.complex), 2);
     is_enough = is_enough_with(reaches[i]);
   }
   if (!best.is_finished) finish(best, task);

@@ -23,10 +23,7 @@ Materials solid_ball(double half_mm, double edge_mm) {
 
 // Width of the leaf over a position, in mm.
 double width_at(const lattice::Octree& tree, const Vec3& p) {
-  const Vec3 way = p - tree.origin_mm;
-  lattice::Place at;
-  for (int axis = 0; axis < 3; ++axis)
-    at[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(way[axis] / tree.step_mm[axis]);
+  const auto at = tree.finest_cell_at(p);
   return std::ldexp(tree.step_mm.x, tree.leaf_over(at).level);
 }
 
@@ -35,7 +32,7 @@ lattice::Octree tree_of(const Materials& m) { return lattice::lay_lattice(m).tre
 TEST(Refine, SpotsHalveTheEdgesInThem) {
   auto m = solid_ball(10, 1);
   const auto plain = tree_of(m);
-  ASSERT_TRUE(lattice::add_spots(m.spots, {{1, 2, 3}}, m, 1));
+  ASSERT_TRUE(lattice::add_spots(m, {{1, 2, 3}}, 1));
   ASSERT_EQ(m.spots.size(), 1U);
   const auto tree = tree_of(m);
   EXPECT_DOUBLE_EQ(width_at(tree, {1, 2, 3}), 0.5 * width_at(plain, {1, 2, 3}));
@@ -45,14 +42,14 @@ TEST(Refine, SpotsHalveTheEdgesInThem) {
 
 TEST(Refine, SpotsThatAreCoveredAreNotAddedAgainButFinerOnes) {
   auto m = solid_ball(10, 2);
-  ASSERT_TRUE(lattice::add_spots(m.spots, {{0, 0, 0}, {0.1, 0, 0}}, m, 1));
+  ASSERT_TRUE(lattice::add_spots(m, {{0, 0, 0}, {0.1, 0, 0}}, 1));
   EXPECT_EQ(m.spots.size(), 1U);
   const double coarse = width_at(tree_of(m), {0, 0, 0});
   for (const double share : {0.5, 0.25}) {
-    ASSERT_TRUE(lattice::add_spots(m.spots, {{0, 0, 0}}, m, 1));
+    ASSERT_TRUE(lattice::add_spots(m, {{0, 0, 0}}, 1));
     EXPECT_DOUBLE_EQ(width_at(tree_of(m), {0, 0, 0}), share * coarse);
   }
-  EXPECT_FALSE(lattice::add_spots(m.spots, {{0, 0, 0}}, m, 1)) << "three halvings at most";
+  EXPECT_FALSE(lattice::add_spots(m, {{0, 0, 0}}, 1)) << "three halvings at most";
 }
 
 // Edges elsewhere may be no multiple of those in a spot, and the finest of them need not be known.
@@ -62,7 +59,7 @@ TEST(Refine, ElsewhereTheLatticeStays) {
     m.edge_mm = [](const Vec3& p) { return p.x > 0 ? 1.4 : 1.2; };
     if (!is_known) m.finest_edge_mm = 0;
     const auto plain = lattice::stuff(m, {});
-    ASSERT_TRUE(lattice::add_spots(m.spots, {{5, 0, 0}}, m, 2));
+    ASSERT_TRUE(lattice::add_spots(m, {{5, 0, 0}}, 2));
     const auto fine = lattice::stuff(m, {});
     EXPECT_GT(fine.cells.size(), plain.cells.size());
     const auto far_from_spot = [](const Complex& c) {
@@ -81,7 +78,7 @@ TEST(Refine, ElsewhereTheLatticeStays) {
 TEST(Refine, ALargeBoxOfFineCellsIsNotMadeFiner) {
   auto m = solid_ball(160, 1);
   const auto plain = tree_of(m);
-  ASSERT_TRUE(lattice::add_spots(m.spots, {{4, 0, 0}}, m, 1));
+  ASSERT_TRUE(lattice::add_spots(m, {{4, 0, 0}}, 1));
   EXPECT_EQ(tree_of(m).size, plain.size);
 }
 

@@ -25,10 +25,10 @@
 namespace heart::lattice {
 namespace {
 
-// How far from a point a region is found, in steps; a little beyond the last one where it is not. To first order,
-// distances say nothing of this: where a region ends in a tail, both sides are as near beyond its end.
+// How far from a point a region (0: the outside) is found, in steps; a little beyond the last one where it is not. To
+// first order, distances say nothing of this: where a region ends in a tail, both sides are as near beyond its end.
 double reach_of(const Materials& materials, int region, const Vec3& from, double edge) {
-  constexpr std::array steps{0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4};  // edges
+  constexpr std::array steps{0.05, 0.1, 0.15, 0.2, 0.25, 0.28, 0.31, 0.4, 0.55, 0.75, 1.0, 1.4};  // edges
   constexpr double beyond = 2;
   if (materials.label_at(from) == region) return 0;
   for (const double step : steps)
@@ -44,7 +44,7 @@ double reach_of(const Materials& materials, int region, const Vec3& from, double
 
 double reach_of_all(const Materials& materials, LabelBits labels, const Vec3& from, double edge) {
   double farthest = 0;
-  for (int region = 1; region < first_side; ++region)
+  for (int region = 0; region < first_side; ++region)
     if ((labels & bit_of(region)) != 0) farthest = std::max(farthest, reach_of(materials, region, from, edge));
   return farthest;
 }

@@ -114,12 +114,17 @@ struct Fitness {
 // Of the faces of a part that can change. (Those where it was cut out have frozen nodes only, and no cell beyond.)
 Fitness fitness_of(const Complex& part, const Materials& materials, const FitSettings& settings) {
   Fitness found;
+  std::vector<double> off(part.nodes_mm.size(), -1);  // of the nodes that were asked for
+  const auto distance_of = [&](std::int32_t n) {
+    auto& distance = off[static_cast<std::size_t>(n)];
+    if (distance < 0) distance = distance_of_node(part, materials, n);
+    return distance;
+  };
   for (const auto& face : surface_faces(part)) {
     const bool is_still = std::all_of(face.nodes.begin(), face.nodes.end(), [&](auto n) { return part.is_frozen(n); });
     const bool is_cut = is_still && (face.labels & bit_of(0)) != 0;
     if (is_cut || (face.labels & settings.labels) == 0) continue;
-    const double error =
-        error_of(part, materials, face, [&](std::int32_t n) { return distance_of_node(part, materials, n); });
+    const double error = error_of(part, materials, face, distance_of);
     if (error > found.error) {
       found.worst = face.nodes;
       found.error = error;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -101,13 +102,15 @@ int equations_at(const WallLevelSets& walls, const Vec3& shift, lattice::LabelBi
     if (count < equations.size()) equations[count++] = {s.value, s.gradient};
   };
   if ((labels & lattice::bit_of(0)) != 0) add(sample(walls.solid, position + shift));
-  const LevelSet* first = nullptr;
-  Sample of_first;
+  const auto regions = labels & ~lattice::bit_of(0);
+  if (std::popcount(regions) < 2) return static_cast<int>(count);  // most nodes: no interface
+  bool has_first = false;
+  Sample first;
   for (std::size_t i = 0; i < walls.labels.size(); ++i) {
-    if ((labels & lattice::bit_of(walls.labels[i])) == 0) continue;
+    if ((regions & lattice::bit_of(walls.labels[i])) == 0) continue;
     const auto here = sample(walls.distances[i], position);
-    if (first != nullptr) add({here.value - of_first.value, here.gradient - of_first.gradient});
-    if (first == nullptr) of_first = here, first = &walls.distances[i];
+    if (has_first) add({here.value - first.value, here.gradient - first.gradient});
+    if (!std::exchange(has_first, true)) first = here;
   }
   return static_cast<int>(count);
 }

@@ -336,32 +336,92 @@ bool relabel_strays(Complex& part, const Materials& materials) {
   return is_changed;
 }
 
-// Divides the worst face and repairs what that makes, then goes on from the outcome wherever it is better.
-void fit(Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings,
-         const Effort& effort) {
+/// What all tries at a place have in common.
+struct Trial {
+  const Job* job;
+  const Materials* materials;
+  const FitSettings* settings;
+  RepairSettings repairing;
+  std::uint32_t seed;
+  double least;         // quality
+  std::size_t meeting;  // pairs of outer faces, before
+};
+
+Trial trial_of(const Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings,
+               const Effort& effort) {
   repairing.may_relabel = false;  // labels beyond the place are not seen
   repairing.goal = repairing.least = settings.enough + 0.0004;
   repairing.sweeps = 6;        // without shakes: another way is cheaper
   repairing.tolerance = 0.08;  // else nodes leave the crease that they were put on
   const double least = std::min(settings.enough, worst_quality(job.place.part));
-  job.fitness = fitness_of(job.place.part, materials, settings);
-  job.first = job.fitness;
-  const auto meeting = count_meeting(job.place.part, job.around);
-  int way = 0;
-  for (int attempt = 0; attempt < effort.most_tries && job.fitness.misery > 0; ++attempt, ++way) {
-    job.work += static_cast<std::int64_t>(job.place.part.cells.size());
-    Complex tried = job.best.cells.empty() ? job.place.part : job.best;
-    if (way == 0 && !relabel_strays(tried, materials)) way = 1;
-    if (way > 0) divide(tried, materials, job.fitness.worst, way - 1, effort.seed);
-    repair(tried, materials, repairing);
-    draw_to_surfaces(tried, materials, settings.enough);
-    balance_surfaces(tried, materials, settings.enough);
-    const auto fitness = fitness_of(tried, materials, settings);
-    if (fitness.misery >= job.fitness.misery || worst_quality(tried) < least) continue;
-    if (count_meeting(tried, job.around) > meeting) continue;
-    job.fitness = fitness;
-    job.best = std::move(tried);
-    way = -1;
+  return {&job, &materials, &settings, repairing, effort.seed, least, count_meeting(job.place.part, job.around)};
+}
+
+struct Outcome {
+  Complex made;
+  Fitness fitness;
+  bool is_better = false;
+};
+
+const Complex& best_of(const Job& job) { return job.best.cells.empty() ? job.place.part : job.best; }
+
+bool has_strays(const Job& job, const Materials& materials) {
+  Complex tried = best_of(job);
+  return relabel_strays(tried, materials);
+}
+
+// Way 0 relabels, the others divide the worst face; then what that makes is repaired.
+Outcome try_way(const Trial& trial, int way) {
+  const auto& job = *trial.job;
+  const auto& materials = *trial.materials;
+  Outcome outcome{best_of(job), {}};
+  auto& made = outcome.made;
+  if (way == 0)
+    relabel_strays(made, materials);
+  else
+    divide(made, materials, job.fitness.worst, way - 1, trial.seed);
+  repair(made, materials, trial.repairing);
+  draw_to_surfaces(made, materials, trial.settings->enough);
+  balance_surfaces(made, materials, trial.settings->enough);
+  outcome.fitness = fitness_of(made, materials, *trial.settings);
+  outcome.is_better = outcome.fitness.misery < job.fitness.misery && worst_quality(made) >= trial.least &&
+                      count_meeting(made, job.around) <= trial.meeting;
+  return outcome;
+}
+
+// The outcomes of some ways, the first one included, all at the same time.
+std::vector<Outcome> try_ways(const Trial& trial, int first, int count) {
+  std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
+  std::vector<std::function<void()>> tasks;
+  for (int i = 0; i < count; ++i)
+    tasks.emplace_back([&, i] { outcomes[static_cast<std::size_t>(i)] = try_way(trial, first + i); });
+  if (count == 1)
+    tasks.front()();
+  else
+    parallel::run_tasks(tasks);
+  return outcomes;
+}
+
+// Goes on from the first outcome that is better, until none is. What is tried `at_once` beyond that one is forgotten:
+// the result is the same as one by one.
+void fit(Job& job, const Materials& materials, const RepairSettings& repairing, const FitSettings& settings,
+         const Effort& effort, int at_once) {
+  job.first = job.fitness = fitness_of(job.place.part, materials, settings);
+  const auto trial = trial_of(job, materials, repairing, settings, effort);
+  const auto first_way = [&] { return has_strays(job, materials) ? 0 : 1; };
+  int left = effort.most_tries, way = first_way();
+  while (left > 0 && job.fitness.misery > 0) {
+    auto outcomes = try_ways(trial, way, std::min(at_once, left));
+    const auto better = std::ranges::find_if(outcomes, &Outcome::is_better);
+    const bool is_better = better != outcomes.end();
+    const auto tried = static_cast<int>(better - outcomes.begin()) + (is_better ? 1 : 0);
+    left -= tried;
+    job.work += tried * static_cast<std::int64_t>(job.place.part.cells.size());
+    if (is_better) {
+      job.fitness = better->fitness;
+      job.best = std::move(better->made);
+    }
+    way = is_better ? first_way() : way + tried;
   }
 }
 
@@ -434,12 +494,16 @@ std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, const Ef
     const auto outer = outer_faces_near(complex, fitting.faces, jobs);
     std::vector<std::function<void()>> tasks;
     tasks.reserve(jobs.size());
+    const int at_once = jobs.size() == 1 ? parallel::thread_count() : 1;
     for (auto& job : jobs)
       tasks.emplace_back([&] {
         job.around = faces_around(complex, outer, job.place);
-        fit(job, *fitting.materials, *fitting.repairing, *fitting.settings, effort);
+        fit(job, *fitting.materials, *fitting.repairing, *fitting.settings, effort, at_once);
       });
-    parallel::run_tasks(tasks);
+    if (jobs.size() == 1)
+      tasks.front()();
+    else
+      parallel::run_tasks(tasks);
     put_back(fitting, jobs, effort);
     for (const auto& job : jobs)
       if (job.fitness.misery > 0) missed.push_back(job.is_put_back ? in_whole(job.place, job.fitness.worst) : job.face);

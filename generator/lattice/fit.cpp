@@ -393,6 +393,7 @@ Outcome try_way(const Trial& trial, int way) {
 std::vector<Outcome> try_ways(const Trial& trial, int first, int count) {
   std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
   std::vector<std::function<void()>> tasks;
+  tasks.reserve(outcomes.size());
   for (int i = 0; i < count; ++i)
     tasks.emplace_back([&, i] { outcomes[static_cast<std::size_t>(i)] = try_way(trial, first + i); });
   if (count == 1)

@@ -4,18 +4,17 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <span>
 #include <utility>
 #include <vector>
 
+#include "generator/lattice/around.hpp"
 #include "generator/lattice/balance.hpp"
-#include "generator/lattice/box.hpp"
 #include "generator/lattice/contract.hpp"
 #include "generator/lattice/exchange.hpp"
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/misfit.hpp"
 #include "generator/lattice/place.hpp"
 #include "generator/lattice/refine.hpp"
-#include "generator/lattice/separate.hpp"
 #include "generator/lattice/surface_faces.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/tasks.hpp"
@@ -24,117 +23,6 @@
 
 namespace heart::lattice {
 namespace {
-
-// How far from a point a region (0: the outside) is found, in steps; a little beyond the last one where it is not. To
-// first order, distances say nothing of this: where a region ends in a tail, both sides are as near beyond its end.
-double reach_of(const Materials& materials, int region, const Vec3& from, double edge) {
-  constexpr std::array steps{0.05, 0.1, 0.15, 0.2, 0.25, 0.28, 0.31, 0.4, 0.55, 0.75, 1.0, 1.4};  // edges
-  constexpr double beyond = 2;
-  if (materials.label_at(from) == region) return 0;
-  for (const double step : steps)
-    for (int k = -1; k <= 1; ++k)
-      for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i) {
-          if (i == 0 && j == 0 && k == 0) continue;
-          const Vec3 way{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
-          if (materials.label_at(from + step * edge / norm(way) * way) == region) return step * edge;
-        }
-  return beyond * edge;
-}
-
-double reach_of_all(const Materials& materials, LabelBits labels, const Vec3& from, double edge) {
-  double farthest = 0;
-  for (int region = 0; region < first_side; ++region)
-    if ((labels & bit_of(region)) != 0) farthest = std::max(farthest, reach_of(materials, region, from, edge));
-  return farthest;
-}
-
-// Of nodes on surfaces and curves, to the farthest of those surfaces, or of the regions that meet there; 0 of others.
-double distance_of_node(const Complex& c, const Materials& materials, std::int32_t node) {
-  const LabelBits labels = c.bits(node), regions = labels & ~side_bits & ~bit_of(0);
-  if (!is_constrained(labels)) return 0;
-  const double distance = distance_to(feature_at(materials, labels, c.at(node)));
-  if (!is_constrained(regions)) return distance;
-  return std::max(distance, reach_of_all(materials, regions, c.at(node),
-                                         static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)])));
-}
-
-// Distance of a face's centre or, if that is greater, of its nodes from their surfaces and regions, in its mean edges.
-template <class DistanceOfNode>
-double error_of(const Complex& c, const Materials& materials, const SurfaceFace& face,
-                const DistanceOfNode& distance_of) {
-  constexpr double aside = 0.15;  // of the edge
-  const Vec3 a = c.at(face.nodes[0]), b = c.at(face.nodes[1]), d = c.at(face.nodes[2]);
-  const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-  const Vec3 center = (a + b + d) / 3;
-  double farthest = distance_to(feature_at(materials, face.labels, center));
-  for (const auto n : face.nodes) farthest = std::max(farthest, distance_of(n));
-  const Vec3 way = aside * edge * normalized(cross(b - a, d - a));
-  const LabelBits found = bit_of(materials.label_at(center + way)) | bit_of(materials.label_at(center - way));
-  return std::max(farthest, reach_of_all(materials, face.labels & ~found, center, edge)) / edge;
-}
-
-Face sorted(Face face) {
-  std::sort(face.begin(), face.end());
-  return face;
-}
-
-// The worst first.
-std::vector<Face> misfits(const Complex& c, const Materials& materials, const FitSettings& settings,
-                          const std::vector<SurfaceFace>& faces) {
-  std::vector<double> error(faces.size()), off(c.nodes_mm.size(), 0);
-  parallel::parallel_for(0, static_cast<std::int64_t>(off.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto n = begin; n < end; ++n)
-      if (!c.star(static_cast<std::int32_t>(n)).empty())
-        off[static_cast<std::size_t>(n)] = distance_of_node(c, materials, static_cast<std::int32_t>(n));
-  });
-  parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
-      error[f] = error_of(c, materials, faces[f], [&](std::int32_t n) { return off[static_cast<std::size_t>(n)]; });
-  });
-  std::vector<std::pair<double, Face>> found;
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    if (error[f] > settings.aim && (faces[f].labels & settings.labels) != 0)
-      found.emplace_back(-error[f], sorted(faces[f].nodes));
-  std::sort(found.begin(), found.end());
-  std::vector<Face> worst;
-  worst.reserve(found.size());
-  for (const auto& [error_below_0, face] : found) worst.push_back(face);
-  return worst;
-}
-
-/// How a part fits its surfaces.
-struct Fitness {
-  Face worst{-1, -1, -1};
-  double error = 0;   // of the worst face
-  double misery = 0;  // sum of the squares of what errors have beyond the aim
-  int misfits = 0;    // faces beyond it
-};
-
-// Of the faces of a part that can change. (Those where it was cut out have frozen nodes only, and no cell beyond.)
-Fitness fitness_of(const Complex& part, const Materials& materials, const FitSettings& settings) {
-  Fitness found;
-  std::vector<double> off(part.nodes_mm.size(), -1);  // of the nodes that were asked for
-  const auto distance_of = [&](std::int32_t n) {
-    auto& distance = off[static_cast<std::size_t>(n)];
-    if (distance < 0) distance = distance_of_node(part, materials, n);
-    return distance;
-  };
-  for (const auto& face : surface_faces(part)) {
-    const bool is_still = std::all_of(face.nodes.begin(), face.nodes.end(), [&](auto n) { return part.is_frozen(n); });
-    const bool is_cut = is_still && (face.labels & bit_of(0)) != 0;
-    if (is_cut || (face.labels & settings.labels) == 0) continue;
-    const double error = error_of(part, materials, face, distance_of);
-    if (error > found.error) {
-      found.worst = face.nodes;
-      found.error = error;
-    }
-    const double beyond = std::max(0.0, error - settings.aim);
-    found.misery += beyond * beyond;
-    found.misfits += beyond > 0;
-  }
-  return found;
-}
 
 // Back onto surfaces and curves, as far as cells allow.
 void draw_to_surfaces(Complex& part, const Materials& materials, double least_quality) {
@@ -146,110 +34,6 @@ void draw_to_surfaces(Complex& part, const Materials& materials, double least_qu
     if (norm(way) < most_shift * static_cast<double>(part.spacing_mm[static_cast<std::size_t>(n)]))
       shift_node(part, n, way, 3, least_quality);
   }
-}
-
-/// The outer faces of the whole around a place: what is made of it must not pass through them.
-struct Around {
-  std::vector<Vec3> nodes_mm;
-  std::vector<Face> faces;  // node n of the part as -1 - n
-};
-
-/// Faces in the order of their lowest points, so that those around a place are found without looking at all.
-struct FacesByHeight {
-  std::vector<Face> faces;
-  std::vector<double> low_z_mm;
-  double tallest_mm = 0;
-
-  std::span<const Face> between(double low_mm, double high_mm) const {
-    const auto first = std::ranges::lower_bound(low_z_mm, low_mm - tallest_mm) - low_z_mm.begin();
-    const auto last = std::ranges::upper_bound(low_z_mm, high_mm) - low_z_mm.begin();
-    return std::span(faces).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
-  }
-};
-
-FacesByHeight by_height(const Complex& c, const std::vector<Face>& faces) {
-  FacesByHeight result;
-  std::vector<std::pair<double, Face>> order;
-  order.reserve(faces.size());
-  for (const auto& face : faces) {
-    const auto [low, high] = std::minmax({c.at(face[0]).z, c.at(face[1]).z, c.at(face[2]).z});
-    order.emplace_back(low, face);
-    result.tallest_mm = std::max(result.tallest_mm, high - low);
-  }
-  std::sort(order.begin(), order.end());
-  for (const auto& [low, face] : order) {
-    result.faces.push_back(face);
-    result.low_z_mm.push_back(low);
-  }
-  return result;
-}
-
-Box box_of(const Complex& c, const Face& face) {
-  return box_around(std::array{c.at(face[0]), c.at(face[1]), c.at(face[2])});
-}
-
-/// Cubes of a coarse grid that some boxes meet, so that what meets none of them is told at a glance.
-class MarkedCubes {
- public:
-  explicit MarkedCubes(const Box& all) : all_(all), marked_(side * side * side) {}
-  void mark(const Box& box) {
-    for_cubes(box, [&](std::size_t cube) { marked_[cube] = 1; });
-  }
-  bool may_meet(const Box& box) const {
-    bool is_marked = false;
-    for_cubes(box, [&](std::size_t cube) { is_marked = is_marked || marked_[cube] != 0; });
-    return is_marked;
-  }
-
- private:
-  static constexpr std::size_t side = 64;
-  std::size_t place(const Vec3& p, int axis) const {
-    const double share = (p[axis] - all_.low[axis]) / std::max(all_.high[axis] - all_.low[axis], 1e-9);
-    return static_cast<std::size_t>(std::clamp(share * side, 0.0, side - 1.0));
-  }
-  template <class Visit>
-  void for_cubes(const Box& box, Visit&& visit) const {
-    for (auto k = place(box.low, 2); k <= place(box.high, 2); ++k)
-      for (auto j = place(box.low, 1); j <= place(box.high, 1); ++j)
-        for (auto i = place(box.low, 0); i <= place(box.high, 0); ++i) visit((k * side + j) * side + i);
-  }
-  Box all_;
-  std::vector<std::uint8_t> marked_;
-};
-
-Around faces_around(const Complex& whole, const FacesByHeight& outer, const Place& place) {
-  const auto box = box_around(place.part.nodes_mm);
-  Around around;
-  for (Face face : outer.between(box.low.z, box.high.z)) {
-    if (!box.meets(box_of(whole, face))) continue;
-    bool is_part = false;
-    for (auto& n : face) {
-      const auto found = std::lower_bound(place.nodes.begin(), place.nodes.end(), n);
-      if (found != place.nodes.end() && *found == n) {
-        const auto own = static_cast<std::int32_t>(found - place.nodes.begin());
-        is_part = is_part || !place.part.is_frozen(own);
-        n = -1 - own;
-      } else {
-        around.nodes_mm.push_back(whole.at(n));
-        n = static_cast<std::int32_t>(around.nodes_mm.size()) - 1;
-      }
-    }
-    if (!is_part) around.faces.push_back(face);
-  }
-  return around;
-}
-
-std::size_t count_meeting(const Complex& part, const Around& around) {
-  auto faces = outer_faces(part);
-  if (faces.empty()) return 0;
-  auto nodes_mm = part.nodes_mm;
-  const auto offset = static_cast<std::int32_t>(nodes_mm.size());
-  nodes_mm.insert(nodes_mm.end(), around.nodes_mm.begin(), around.nodes_mm.end());
-  for (Face face : around.faces) {
-    for (auto& n : face) n = n < 0 ? -1 - n : n + offset;
-    faces.push_back(face);
-  }
-  return meeting_faces(nodes_mm, faces).size();
 }
 
 /// How a place is worked on.

@@ -1,0 +1,72 @@
+// What lies around a place that is worked on apart from the rest: what is made of it must not pass through that.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "generator/lattice/box.hpp"
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/place.hpp"
+
+namespace heart::lattice {
+
+/// The outer faces of the whole around a place: what is made of it must not pass through them.
+struct Around {
+  std::vector<Vec3> nodes_mm;
+  std::vector<Face> faces;  // node n of the part as -1 - n
+};
+
+/// Faces in the order of their lowest points, so that those around a place are found without looking at all.
+struct FacesByHeight {
+  std::vector<Face> faces;
+  std::vector<double> low_z_mm;
+  double tallest_mm = 0;
+
+  std::span<const Face> between(double low_mm, double high_mm) const {
+    const auto first = std::ranges::lower_bound(low_z_mm, low_mm - tallest_mm) - low_z_mm.begin();
+    const auto last = std::ranges::upper_bound(low_z_mm, high_mm) - low_z_mm.begin();
+    return std::span(faces).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
+  }
+};
+
+FacesByHeight by_height(const Complex& complex, const std::vector<Face>& faces);
+
+Box box_of(const Complex& complex, const Face& face);
+
+/// Cubes of a coarse grid that some boxes meet, so that what meets none of them is told at a glance.
+class MarkedCubes {
+ public:
+  explicit MarkedCubes(const Box& all) : all_(all), marked_(side * side * side) {}
+  void mark(const Box& box) {
+    for_cubes(box, [&](std::size_t cube) { marked_[cube] = 1; });
+  }
+  bool may_meet(const Box& box) const {
+    bool is_marked = false;
+    for_cubes(box, [&](std::size_t cube) { is_marked = is_marked || marked_[cube] != 0; });
+    return is_marked;
+  }
+
+ private:
+  static constexpr std::size_t side = 64;
+  std::size_t place(const Vec3& p, int axis) const {
+    const double share = (p[axis] - all_.low[axis]) / std::max(all_.high[axis] - all_.low[axis], 1e-9);
+    return static_cast<std::size_t>(std::clamp(share * side, 0.0, side - 1.0));
+  }
+  template <class Visit>
+  void for_cubes(const Box& box, Visit&& visit) const {
+    for (auto k = place(box.low, 2); k <= place(box.high, 2); ++k)
+      for (auto j = place(box.low, 1); j <= place(box.high, 1); ++j)
+        for (auto i = place(box.low, 0); i <= place(box.high, 0); ++i) visit((k * side + j) * side + i);
+  }
+  Box all_;
+  std::vector<std::uint8_t> marked_;
+};
+
+Around faces_around(const Complex& whole, const FacesByHeight& outer, const Place& place);
+
+/// Pairs of outer faces, of a part and of what is around it, that pass through each other.
+std::size_t count_meeting(const Complex& part, const Around& around);
+
+}  // namespace heart::lattice

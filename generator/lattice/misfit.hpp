@@ -1,0 +1,29 @@
+// How far faces are from their surfaces: which are misfits, and how badly a part of a mesh fits.
+#pragma once
+#include <vector>
+
+#include "generator/lattice/complex.hpp"
+#include "generator/lattice/fit.hpp"
+#include "generator/lattice/materials.hpp"
+#include "generator/lattice/surface_faces.hpp"
+
+namespace heart::lattice {
+
+Face sorted(Face face);  ///< nodes ascending
+
+/// Those of some faces that are farther off than the aim, nodes ascending; the worst face first.
+std::vector<Face> misfits(const Complex& complex, const Materials& materials, const FitSettings& settings,
+                          const std::vector<SurfaceFace>& faces);
+
+/// How a part fits its surfaces.
+struct Fitness {
+  Face worst{-1, -1, -1};
+  double error = 0;   ///< of the worst face
+  double misery = 0;  ///< sum of the squares of what errors have beyond the aim
+  int misfits = 0;    ///< faces beyond it
+};
+
+/// Of the faces of a part that can change. (Those where it was cut out have frozen nodes only, and no cell beyond.)
+Fitness fitness_of(const Complex& part, const Materials& materials, const FitSettings& settings);
+
+}  // namespace heart::lattice

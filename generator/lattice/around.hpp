@@ -38,28 +38,15 @@ Box box_of(const Complex& complex, const Face& face);
 /// Cubes of a coarse grid that some boxes meet, so that what meets none of them is told at a glance.
 class MarkedCubes {
  public:
-  explicit MarkedCubes(const Box& all) : all_(all), marked_(side * side * side) {}
-  void mark(const Box& box) {
-    for_cubes(box, [&](std::size_t cube) { marked_[cube] = 1; });
-  }
-  bool may_meet(const Box& box) const {
-    bool is_marked = false;
-    for_cubes(box, [&](std::size_t cube) { is_marked = is_marked || marked_[cube] != 0; });
-    return is_marked;
-  }
+  explicit MarkedCubes(std::span<const Box> boxes);
+  bool may_meet(const Box& box) const;
 
  private:
   static constexpr std::size_t side = 64;
-  std::size_t place(const Vec3& p, int axis) const {
-    const double share = (p[axis] - all_.low[axis]) / std::max(all_.high[axis] - all_.low[axis], 1e-9);
-    return static_cast<std::size_t>(std::clamp(share * side, 0.0, side - 1.0));
-  }
+  std::size_t place(const Vec3& p, int axis) const;
   template <class Visit>
-  void for_cubes(const Box& box, Visit&& visit) const {
-    for (auto k = place(box.low, 2); k <= place(box.high, 2); ++k)
-      for (auto j = place(box.low, 1); j <= place(box.high, 1); ++j)
-        for (auto i = place(box.low, 0); i <= place(box.high, 0); ++i) visit((k * side + j) * side + i);
-  }
+  void for_cubes(const Box& box, const Visit& visit) const;
+
   Box all_;
   std::vector<std::uint8_t> marked_;
 };

@@ -30,12 +30,16 @@ struct Measures {
   std::vector<Vec3> to_curve;  // step of nodes on curves
 };
 
-Measures measure(const Complex& c, const Materials& materials, const std::vector<SurfaceFace>& faces) {
+// Renews what depends on nodes that are marked: after the first rounds few still move.
+void measure(const Complex& c, const Materials& materials, const std::vector<SurfaceFace>& faces,
+             const std::vector<std::uint8_t>& is_marked, Measures& found) {
   constexpr int newton_steps = 3;
-  Measures found{std::vector<Offset>(c.nodes_mm.size()), std::vector<double>(faces.size()),
-                 std::vector<Vec3>(c.nodes_mm.size())};
+  found.node.resize(c.nodes_mm.size());
+  found.to_curve.resize(c.nodes_mm.size());
+  found.center.resize(faces.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(c.nodes_mm.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      if (is_marked[n] == 0) continue;
       const LabelBits bits = c.touches[n];
       if (is_on_surface(bits)) found.node[n] = offset_at(materials, bits & ~side_bits, c.nodes_mm[n]);
       if (is_on_curve(bits)) found.to_curve[n] = project(materials, bits, c.nodes_mm[n], newton_steps) - c.nodes_mm[n];
@@ -44,10 +48,11 @@ Measures measure(const Complex& c, const Materials& materials, const std::vector
   parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
       const auto& n = faces[f].nodes;
+      if (std::none_of(n.begin(), n.end(), [&](std::int32_t i) { return is_marked[static_cast<std::size_t>(i)] != 0; }))
+        continue;
       found.center[f] = offset_at(materials, faces[f].labels, (c.at(n[0]) + c.at(n[1]) + c.at(n[2])) / 3).distance;
     }
   });
-  return found;
 }
 
 // Along the normal, or in the side of the box along it.
@@ -122,19 +127,23 @@ void balance_surfaces(Complex& c, const Materials& materials, double least_quali
   constexpr int tries = 3;
   const auto faces = surface_faces(c);
   const auto slabs = slabs_across(c, most_cells, faces.size() / fewest);
-  std::vector<std::int32_t> moved;
+  Measures found;
+  std::vector<std::int32_t> to_move;
+  std::vector<std::uint8_t> is_marked(c.nodes_mm.size(), 1);
   for (int round = 0; round < rounds + rounds_at_worst; ++round) {
-    const auto found = measure(c, materials, faces);
+    measure(c, materials, faces, is_marked, found);
     const auto shift = round < rounds ? shifts_of(c, faces, found) : shifts_at_worst(c, faces, found);
-    moved.clear();
+    to_move.clear();
     for (std::size_t n = 0; n < shift.size(); ++n)
       if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) &&
           !c.is_frozen(static_cast<std::int32_t>(n)))
-        moved.push_back(static_cast<std::int32_t>(n));
+        to_move.push_back(static_cast<std::int32_t>(n));
+    std::fill(is_marked.begin(), is_marked.end(), std::uint8_t{0});
     for_slabs(
-        slabs, moved.size(), [&](std::size_t i) { return c.at(moved[i]); },
+        slabs, to_move.size(), [&](std::size_t i) { return c.at(to_move[i]); },
         [&](std::size_t i) {
-          shift_node(c, moved[i], shift[static_cast<std::size_t>(moved[i])], tries, least_quality);
+          const auto n = static_cast<std::size_t>(to_move[i]);
+          is_marked[n] = shift_node(c, to_move[i], shift[n], tries, least_quality);
         });
   }
 }

@@ -34,6 +34,23 @@ void erase_from_star(Complex& complex, std::int32_t node, std::int32_t cell) {
   *found = begin[--complex.count[n]];
 }
 
+// Calls found(i, quality) for each cell in turn, until it returns false; all must be alive. Whether it never did.
+template <class Found>
+bool rate(const Complex& c, std::span<const std::int32_t> cells, const Found& found) {
+  CellBatch batch;
+  for (std::size_t first = 0; first < cells.size(); first += CellBatch::size) {
+    const std::size_t end = std::min(first + CellBatch::size, cells.size());
+    for (std::size_t i = first; i < first + CellBatch::size; ++i) {  // beyond the end, something to compute with
+      const Cell& cell = c.cell(cells[std::min(i, end - 1)]);
+      for (std::size_t corner = 0; corner < 4; ++corner) batch.set(i - first, corner, c.at(cell[corner]));
+    }
+    const auto quality = cell_qualities(batch);
+    for (std::size_t i = first; i < end; ++i)
+      if (!found(i, quality[i - first])) return false;
+  }
+  return true;
+}
+
 // Moves a node where no cell around it falls below the bound.
 bool try_position(Complex& c, std::int32_t node, const Vec3& position, double bound) {
   constexpr std::size_t usual_cells = 64;
@@ -42,17 +59,17 @@ bool try_position(Complex& c, std::int32_t node, const Vec3& position, double bo
   const Vec3 old = place;
   place = position;
   const auto star = c.star(node);
-  for (std::size_t i = 0; i < star.size(); ++i) {
-    const double here = quality(c, c.cell(star[i]));
-    if (here < bound) {
-      place = old;
-      return false;
-    }
+  const bool is_good = rate(c, star, [&](std::size_t i, double here) {
     if (i < usual_cells) found[i] = static_cast<float>(here);
+    return here >= bound;
+  });
+  if (!is_good) {
+    place = old;
+    return false;
   }
   for (std::size_t i = 0; i < std::min(star.size(), usual_cells); ++i)
     c.quality[static_cast<std::size_t>(star[i])] = found[i];
-  for (std::size_t i = usual_cells; i < star.size(); ++i) update_quality(c, star[i]);
+  if (star.size() > usual_cells) update_qualities(c, star.subspan(usual_cells));
   return true;
 }
 
@@ -135,6 +152,13 @@ void update_quality(Complex& complex, std::int32_t cell) {
   complex.quality[static_cast<std::size_t>(cell)] = static_cast<float>(quality(complex, complex.cell(cell)));
 }
 
+void update_qualities(Complex& c, std::span<const std::int32_t> cells) {
+  rate(c, cells, [&](std::size_t i, double quality) {
+    c.quality[static_cast<std::size_t>(cells[i])] = static_cast<float>(quality);
+    return true;
+  });
+}
+
 double worst_quality(const Complex& complex, std::span<const std::int32_t> cells) {
   double worst = 9;
   for (const auto c : cells) worst = std::min(worst, complex.quality_of(c));
@@ -145,10 +169,12 @@ bool move_node(Complex& c, std::int32_t node, const Vec3& position, double least
   return try_position(c, node, position, std::min(least_quality, worst_quality(c, c.star(node))));
 }
 
-void shift_node(Complex& c, std::int32_t node, Vec3 way_mm, int tries, double least_quality) {
+bool shift_node(Complex& c, std::int32_t node, Vec3 way_mm, int tries, double least_quality) {
   const Vec3 old = c.at(node);
   const double bound = std::min(least_quality, worst_quality(c, c.star(node)));
-  for (int i = 0; i < tries && !try_position(c, node, old + way_mm, bound); ++i) way_mm *= 0.5;
+  for (int i = 0; i < tries; ++i, way_mm *= 0.5)
+    if (try_position(c, node, old + way_mm, bound)) return true;
+  return false;
 }
 
 void derive_touches(Complex& complex) {

@@ -61,6 +61,7 @@ std::int32_t add_unrated_cell(Complex& complex, const Cell& cell, int label);
 void remove_cell(Complex& complex, std::int32_t cell);
 double quality(const Complex& complex, const Cell& cell);
 void update_quality(Complex& complex, std::int32_t cell);
+void update_qualities(Complex& complex, std::span<const std::int32_t> cells);  ///< all must be alive
 double worst_quality(const Complex& complex, std::span<const std::int32_t> cells);
 
 /// Moves a node where no cell around it falls below `least_quality` or, if one is below already, below the worst.
@@ -68,8 +69,8 @@ double worst_quality(const Complex& complex, std::span<const std::int32_t> cells
 bool move_node(Complex& complex, std::int32_t node, const Vec3& position, double least_quality);
 
 /// Moves a node the whole way or, halved at most `tries - 1` times, as much of it as leaves no cell around below
-/// `least_quality` or, if one is below already, below the worst.
-void shift_node(Complex& complex, std::int32_t node, Vec3 way_mm, int tries, double least_quality);
+/// `least_quality` or, if one is below already, below the worst. Returns whether it moved.
+bool shift_node(Complex& complex, std::int32_t node, Vec3 way_mm, int tries, double least_quality);
 
 /// Sets `touches` from the labels of the cells; sides are kept, and `hull_bit` becomes a touch of the outside.
 void derive_touches(Complex& complex);

@@ -144,7 +144,7 @@ bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, st
     std::replace(cell.begin(), cell.end(), gone, kept);
     add_cell(c, cell, label);
   }
-  for (const auto t : c.star(kept)) update_quality(c, t);
+  update_qualities(c, c.star(kept));
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -44,22 +45,38 @@ struct Effort {
   bool takes_halves;   // is_worth_it
 };
 
+/// What one try made of a place.
+struct Outcome {
+  Complex made;
+  Fitness fitness;
+  bool is_better = false;
+};
+
 /// A place with a misfit in its middle, and the best that was made of it.
 struct Job {
   Place place;
+  Face face;  // the misfit, in the whole
   Around around;
-  Complex best;  // no cells: nothing better was found
+  std::size_t meeting = 0;  // pairs of outer faces, before anything was done
+  double least = 0;         // quality that must be kept
+  Fitness first;            // before anything was done
   Fitness fitness;
-  std::int64_t work = 0;  // cells repaired, of all tries together
-  Face face;              // the misfit, in the whole
-  Fitness first;          // before anything was done
+  Complex best;                   // no cells: nothing better was found
+  int left = 0;                   // tries
+  int way = 0;                    // the next one
+  std::vector<Outcome> outcomes;  // of ways that are tried at the same time
+  std::int64_t work = 0;          // cells repaired, of all tries together
   bool is_put_back = false;
+
+  bool is_active() const { return left > 0 && fitness.misery > 0; }
 };
 
 // The outer ones of some faces that may lie around one of the places.
 FacesByHeight outer_faces_near(const Complex& c, const std::vector<SurfaceFace>& faces, const std::vector<Job>& jobs) {
-  MarkedCubes cubes(box_around(c.nodes_mm));
-  for (const auto& job : jobs) cubes.mark(box_around(job.place.part.nodes_mm));
+  std::vector<Box> places;
+  places.reserve(jobs.size());
+  for (const auto& job : jobs) places.push_back(box_around(job.place.part.nodes_mm));
+  const MarkedCubes cubes(places);
   std::vector<Face> near;
   for (const auto& face : faces)
     if ((face.labels & bit_of(0)) != 0 && cubes.may_meet(box_of(c, face.nodes))) near.push_back(face.nodes);
@@ -71,14 +88,15 @@ FacesByHeight outer_faces_near(const Complex& c, const std::vector<SurfaceFace>&
 std::vector<SurfaceFace> faces_near(const Complex& c, const std::vector<SurfaceFace>& faces,
                                     const std::vector<Face>& misfits) {
   constexpr double margin = 10;  // lattice widths
-  MarkedCubes cubes(box_around(c.nodes_mm));
+  std::vector<Box> boxes;
+  boxes.reserve(misfits.size());
   for (const auto& face : misfits) {
-    auto box = box_of(c, face);
+    auto& box = boxes.emplace_back(box_of(c, face));
     const double reach = margin * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(face[0])]);
     box.low -= Vec3{reach, reach, reach};
     box.high += Vec3{reach, reach, reach};
-    cubes.mark(box);
   }
+  const MarkedCubes cubes(boxes);
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<SurfaceFace>& near) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
       if (cubes.may_meet(box_of(c, faces[f].nodes))) near.push_back(faces[f]);
@@ -120,93 +138,110 @@ bool relabel_strays(Complex& part, const Materials& materials) {
   return is_changed;
 }
 
-/// What all tries at a place have in common.
+/// What all tries have in common.
 struct Trial {
-  const Job* job;
   const Materials* materials;
   const FitSettings* settings;
   RepairSettings repairing;
-  std::uint32_t seed;
-  double least;         // quality
-  std::size_t meeting;  // pairs of outer faces, before
+  const Effort* effort;
 };
 
-Trial trial_of(const Job& job, const Materials& materials, RepairSettings repairing, const FitSettings& settings,
+Trial trial_of(const Materials& materials, RepairSettings repairing, const FitSettings& settings,
                const Effort& effort) {
   repairing.may_relabel = false;  // labels beyond the place are not seen
   repairing.goal = repairing.least = settings.enough + 0.0004;
   repairing.sweeps = 6;        // without shakes: another way is cheaper
   repairing.tolerance = 0.08;  // else nodes leave the crease that they were put on
-  const double least = std::min(settings.enough, worst_quality(job.place.part));
-  return {&job, &materials, &settings, repairing, effort.seed, least, count_meeting(job.place.part, job.around)};
+  return {&materials, &settings, repairing, &effort};
 }
-
-struct Outcome {
-  Complex made;
-  Fitness fitness;
-  bool is_better = false;
-};
 
 const Complex& best_of(const Job& job) { return job.best.cells.empty() ? job.place.part : job.best; }
 
-bool has_strays(const Job& job, const Materials& materials) {
+// Way 0 relabels, the others divide the worst face.
+int first_way(const Job& job, const Materials& materials) {
   Complex tried = best_of(job);
-  return relabel_strays(tried, materials);
+  return relabel_strays(tried, materials) ? 0 : 1;
 }
 
-// Way 0 relabels, the others divide the worst face; then what that makes is repaired.
-Outcome try_way(const Trial& trial, int way) {
-  const auto& job = *trial.job;
+void begin(Job& job, const Trial& trial) {
+  const auto& part = job.place.part;
+  job.meeting = count_meeting(part, job.around);
+  job.least = std::min(trial.settings->enough, worst_quality(part));
+  job.first = job.fitness = fitness_of(part, *trial.materials, *trial.settings);
+  job.left = trial.effort->most_tries;
+  job.way = first_way(job, *trial.materials);
+}
+
+Outcome try_way(const Job& job, const Trial& trial, int way) {
   const auto& materials = *trial.materials;
   Outcome outcome{best_of(job), {}};
   auto& made = outcome.made;
   if (way == 0)
     relabel_strays(made, materials);
   else
-    divide(made, materials, job.fitness.worst, way - 1, trial.seed);
+    divide(made, materials, job.fitness.worst, way - 1, trial.effort->seed);
   repair(made, materials, trial.repairing);
   draw_to_surfaces(made, materials, trial.settings->enough);
   balance_surfaces(made, materials, trial.settings->enough);
   outcome.fitness = fitness_of(made, materials, *trial.settings);
-  outcome.is_better = outcome.fitness.misery < job.fitness.misery && worst_quality(made) >= trial.least &&
-                      count_meeting(made, job.around) <= trial.meeting;
+  outcome.is_better = outcome.fitness.misery < job.fitness.misery && worst_quality(made) >= job.least &&
+                      count_meeting(made, job.around) <= job.meeting;
   return outcome;
 }
 
-// The outcomes of some ways, the first one included, all at the same time.
-std::vector<Outcome> try_ways(const Trial& trial, int first, int count) {
-  std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
-  std::vector<std::function<void()>> tasks;
-  tasks.reserve(outcomes.size());
-  for (int i = 0; i < count; ++i)
-    tasks.emplace_back([&, i] { outcomes[static_cast<std::size_t>(i)] = try_way(trial, first + i); });
-  if (count == 1)
-    tasks.front()();
-  else
-    parallel::run_tasks(tasks);
-  return outcomes;
+// Goes on from the first outcome that is better. What was tried beyond it is forgotten: the result is the same as one
+// by one.
+void choose(Job& job, const Materials& materials) {
+  const auto better = std::ranges::find_if(job.outcomes, &Outcome::is_better);
+  const bool is_better = better != job.outcomes.end();
+  const auto tried = static_cast<int>(better - job.outcomes.begin()) + (is_better ? 1 : 0);
+  job.left -= tried;
+  job.way += tried;
+  job.work += tried * static_cast<std::int64_t>(job.place.part.cells.size());
+  if (is_better) {
+    job.fitness = better->fitness;
+    job.best = std::move(better->made);
+    job.way = first_way(job, materials);
+  }
+  job.outcomes.clear();
 }
 
-// Goes on from the first outcome that is better, until none is. What is tried `at_once` beyond that one is forgotten:
-// the result is the same as one by one.
-void fit(Job& job, const Materials& materials, const RepairSettings& repairing, const FitSettings& settings,
-         const Effort& effort, int at_once) {
-  job.first = job.fitness = fitness_of(job.place.part, materials, settings);
-  const auto trial = trial_of(job, materials, repairing, settings, effort);
-  const auto first_way = [&] { return has_strays(job, materials) ? 0 : 1; };
-  int left = effort.most_tries, way = first_way();
-  while (left > 0 && job.fitness.misery > 0) {
-    auto outcomes = try_ways(trial, way, std::min(at_once, left));
-    const auto better = std::ranges::find_if(outcomes, &Outcome::is_better);
-    const bool is_better = better != outcomes.end();
-    const auto tried = static_cast<int>(better - outcomes.begin()) + (is_better ? 1 : 0);
-    left -= tried;
-    job.work += tried * static_cast<std::int64_t>(job.place.part.cells.size());
-    if (is_better) {
-      job.fitness = better->fitness;
-      job.best = std::move(better->made);
-    }
-    way = is_better ? first_way() : way + tried;
+// How many ways to try at the same time of each of a few jobs, so that no thread waits for another one.
+int ways_at_once(std::size_t jobs) {
+  const auto threads = static_cast<std::size_t>(parallel::thread_count());
+  return jobs < 2 * threads ? static_cast<int>(threads / std::gcd(jobs, threads)) : 1;
+}
+
+// Calls work(job) for each, all at the same time.
+template <class Work>
+void for_each_job(const std::vector<Job*>& jobs, const Work& work) {
+  std::vector<std::function<void()>> tasks;
+  tasks.reserve(jobs.size());
+  for (auto* job : jobs) tasks.emplace_back([&work, job] { work(*job); });
+  parallel::run_tasks(tasks);
+}
+
+void try_ways(const std::vector<Job*>& jobs, const Trial& trial) {
+  std::vector<std::function<void()>> tasks;
+  const int at_once = ways_at_once(jobs.size());
+  for (auto* job : jobs) {
+    job->outcomes.resize(static_cast<std::size_t>(std::min(at_once, job->left)));
+    for (std::size_t i = 0; i < job->outcomes.size(); ++i)
+      tasks.emplace_back([&trial, job, i] { job->outcomes[i] = try_way(*job, trial, job->way + static_cast<int>(i)); });
+  }
+  parallel::run_tasks(tasks);
+}
+
+void fit(std::vector<Job>& jobs, const Trial& trial) {
+  std::vector<Job*> active;
+  active.reserve(jobs.size());
+  for (auto& job : jobs) active.push_back(&job);
+  for_each_job(active, [&](Job& job) { begin(job, trial); });
+  for (;;) {
+    std::erase_if(active, [](const Job* job) { return !job->is_active(); });
+    if (active.empty()) return;
+    try_ways(active, trial);
+    for_each_job(active, [&](Job& job) { choose(job, *trial.materials); });
   }
 }
 
@@ -226,7 +261,9 @@ std::vector<Job> separate_places(const Complex& c, std::vector<Face>& faces, int
     if (std::any_of(place.nodes.begin(), place.nodes.end(), taken)) return false;
     for (const auto n : place.nodes) is_taken[static_cast<std::size_t>(n)] = 1;
     work_left -= usual_tries * static_cast<std::int64_t>(place.cells.size());
-    jobs.push_back({std::move(place), {}, {}, {}, 0, face, {}});
+    auto& job = jobs.emplace_back();
+    job.place = std::move(place);
+    job.face = face;
     return true;
   };
   std::erase_if(faces, is_done);
@@ -272,23 +309,14 @@ void put_back(Fitting& fitting, std::vector<Job>& jobs, const Effort& effort) {
 // is missed.
 std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, const Effort& effort) {
   const auto& complex = *fitting.complex;
+  const auto trial = trial_of(*fitting.materials, *fitting.repairing, *fitting.settings, effort);
   std::vector<Face> missed;
   while (!faces.empty() && fitting.work_left > 0) {
     auto jobs = separate_places(complex, faces, effort.rings, fitting.work_left);
     if (jobs.empty()) break;
     const auto outer = outer_faces_near(complex, fitting.faces, jobs);
-    std::vector<std::function<void()>> tasks;
-    tasks.reserve(jobs.size());
-    const int at_once = jobs.size() == 1 ? parallel::thread_count() : 1;
-    for (auto& job : jobs)
-      tasks.emplace_back([&] {
-        job.around = faces_around(complex, outer, job.place);
-        fit(job, *fitting.materials, *fitting.repairing, *fitting.settings, effort, at_once);
-      });
-    if (jobs.size() == 1)
-      tasks.front()();
-    else
-      parallel::run_tasks(tasks);
+    for (auto& job : jobs) job.around = faces_around(complex, outer, job.place);
+    fit(jobs, trial);
     put_back(fitting, jobs, effort);
     for (const auto& job : jobs)
       if (job.fitness.misery > 0) missed.push_back(job.is_put_back ? in_whole(job.place, job.fitness.worst) : job.face);

@@ -69,9 +69,12 @@ Face sorted(Face face) {
 std::vector<Face> misfits(const Complex& c, const Materials& materials, const FitSettings& settings,
                           const std::vector<SurfaceFace>& faces) {
   std::vector<double> error(faces.size()), off(c.nodes_mm.size(), 0);
+  std::vector<std::uint8_t> is_asked(off.size(), 0);
+  for (const auto& face : faces)
+    for (const auto n : face.nodes) is_asked[static_cast<std::size_t>(n)] = 1;
   parallel::parallel_for(0, static_cast<std::int64_t>(off.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = begin; n < end; ++n)
-      if (!c.star(static_cast<std::int32_t>(n)).empty())
+      if (is_asked[static_cast<std::size_t>(n)] != 0)
         off[static_cast<std::size_t>(n)] = distance_of_node(c, materials, static_cast<std::int32_t>(n));
   });
   parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {

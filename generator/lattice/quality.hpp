@@ -2,9 +2,19 @@
 // `obtuse_weight` times. A goal of 0.51 asks for angles in [30.7, 143.1] degrees, 0.43 for [25.5, 149.6].
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "model/vec.hpp"
+
+// For functions that are compiled once for every x86-64 and once for AVX2, chosen at start-up; both give the same bits.
+// The sanitizers do not get along with the load-time choice.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define HEART_LATTICE_VECTOR __attribute__((target_clones("avx2", "default")))
+#else
+#define HEART_LATTICE_VECTOR
+#endif
 
 namespace heart::lattice {
 
@@ -33,5 +43,21 @@ inline double cell_quality(const Vec3& p, const Vec3& a, const Vec3& b, const Ve
   const double inverted = 3 * six_volumes / (lengths * std::sqrt(lengths) + tiny) - 1e-9;
   return six_volumes > 0 ? good : inverted;
 }
+
+/// Corners of a few cells, as coordinates of each corner: the qualities of all take about as long as that of one.
+struct CellBatch {
+  static constexpr std::size_t size = 4;
+  using Corners = std::array<std::array<double, size>, 4>;
+  Corners x, y, z;  // of corner, then cell
+
+  void set(std::size_t cell, std::size_t corner, const Vec3& p) {
+    x[corner][cell] = p.x;
+    y[corner][cell] = p.y;
+    z[corner][cell] = p.z;
+  }
+};
+
+/// The same bits as cell_quality of each.
+std::array<double, CellBatch::size> cell_qualities(const CellBatch& cells);
 
 }  // namespace heart::lattice

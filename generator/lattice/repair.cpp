@@ -103,9 +103,7 @@ struct Shaker {
     kept.clear();
     for (const auto n : nodes) kept.push_back(sweep->complex->at(n));
   }
-  void update() const {
-    for (const auto t : cells) update_quality(*sweep->complex, t);
-  }
+  void update() const { update_qualities(*sweep->complex, cells); }
   void go_back() const {
     for (std::size_t i = 0; i < nodes.size(); ++i)
       sweep->complex->nodes_mm[static_cast<std::size_t>(nodes[i])] = kept[i];

@@ -25,20 +25,26 @@ struct Star {
 };
 using Qualities = std::array<double, most_cells>;
 
-// One copy for every x86-64 and one for AVX2, chosen at start-up; both give the same bits. The sanitizers do not get
-// along with the load-time choice.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define HEART_LATTICE_VECTOR __attribute__((target_clones("avx2", "default")))
-#else
-#define HEART_LATTICE_VECTOR
-#endif
-
 constexpr std::size_t batch = 4;
 
 // Qualities first to first + 3 with the node at `p`; the arrays have room for a whole batch at the end.
 HEART_LATTICE_VECTOR void evaluate_batch(const Star& star, std::size_t first, double px, double py, double pz,
                                          double* q) {
   for (std::size_t i = 0; i < batch; ++i) q[i] = star.quality_at(first + i, {px, py, pz});
+}
+
+// Qualities of cell `i` with the node at each of four places.
+HEART_LATTICE_VECTOR void evaluate_places(const Star& star, std::size_t i, const double* x, const double* y,
+                                          const double* z, double* q) {
+  for (std::size_t k = 0; k < batch; ++k) q[k] = star.quality_at(i, {x[k], y[k], z[k]});
+}
+
+// How the quality of cell `i`, `here` with the node at `p`, changes per mm.
+Vec3 gradient_of(const Star& star, std::size_t i, const Vec3& p, double here, double step_mm) {
+  const std::array x{p.x + step_mm, p.x, p.x, p.x}, y{p.y, p.y + step_mm, p.y, p.y}, z{p.z, p.z, p.z + step_mm, p.z};
+  std::array<double, batch> moved;
+  evaluate_places(star, i, x.data(), y.data(), z.data(), moved.data());
+  return {(moved[0] - here) / step_mm, (moved[1] - here) / step_mm, (moved[2] - here) / step_mm};
 }
 
 // The worst quality with the node at `p`, and all of them in `q`; stops early once one is not above `bound`.
@@ -125,7 +131,7 @@ struct Smoother {
   double tolerance;
   double spacing;
   LabelBits touches;
-  Star star;
+  const Star* star;
 
   bool is_bound() const { return is_constrained(touches); }
 
@@ -139,15 +145,9 @@ struct Smoother {
     std::array<Vec3, most_gradients> gradients;
     std::size_t count = 0;
     const double step = 1e-5 * spacing;
-    for (std::size_t i = 0; i < star.size && count < most_gradients; ++i) {
+    for (std::size_t i = 0; i < star->size && count < most_gradients; ++i) {
       if (q[i] > worst + band) continue;
-      Vec3 g;
-      for (int axis = 0; axis < 3; ++axis) {
-        Vec3 moved = position;
-        moved[axis] += step;
-        g[axis] = (star.quality_at(i, moved) - q[i]) / step;
-      }
-      gradients[count++] = tangents.along(g);
+      gradients[count++] = tangents.along(gradient_of(*star, i, position, q[i], step));
     }
     return common_ascent(gradients, count);
   }
@@ -173,7 +173,7 @@ struct Smoother {
       for (int attempt = 0; attempt < most_tries && !better; ++attempt, step *= 0.4) {
         Vec3 candidate = position + step * way;
         if (!constrain(candidate)) continue;
-        const double value = evaluate(star, candidate, worst + least_gain, tried);
+        const double value = evaluate(*star, candidate, worst + least_gain, tried);
         if (value <= worst + least_gain) continue;
         position = candidate;
         worst = value;
@@ -215,14 +215,15 @@ bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node
     const LabelBits labels = complex.touches[n] & ~side_bits;
     tolerance = std::max(tolerance, distance_to(feature_at(materials, labels, complex.nodes_mm[n])) / spacing);
   }
-  Smoother smoother{&complex, &materials, node, tolerance, spacing, complex.touches[n], {}};
-  gather(complex, node, smoother.star);
+  Star star;  // apart from the smoother: its 9 kB need not be cleared first
+  gather(complex, node, star);
+  const Smoother smoother{&complex, &materials, node, tolerance, spacing, complex.touches[n], &star};
   Vec3 position = complex.nodes_mm[n];
   Qualities q{};
-  const double worst = evaluate(smoother.star, position, -9, q);
+  const double worst = evaluate(star, position, -9, q);
   if (!smoother.climb(position, q, worst, goal)) return false;
   complex.nodes_mm[n] = position;
-  for (const auto t : cells) update_quality(complex, t);
+  update_qualities(complex, cells);
   return true;
 }
 

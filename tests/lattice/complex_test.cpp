@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 #include "generator/lattice/contract.hpp"
@@ -31,6 +32,29 @@ Complex wheel(int count) {
   c.label.assign(c.cells.size(), 1);
   lattice::connect(c);
   return c;
+}
+
+TEST(Quality, OfSeveralAtOnceHasTheSameBits) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coordinate(-1, 1);
+  int inverted = 0;
+  for (int round = 0; round < 500; ++round) {
+    lattice::CellBatch batch;
+    std::array<std::array<Vec3, 4>, lattice::CellBatch::size> cells;
+    for (std::size_t cell = 0; cell < cells.size(); ++cell)
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        auto& p = cells[cell][corner] = {coordinate(random), coordinate(random), coordinate(random)};
+        if (round % 10 == 0) p.z = 0;  // flat
+        batch.set(cell, corner, p);
+      }
+    const auto quality = lattice::cell_qualities(batch);
+    for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+      const auto& p = cells[cell];
+      EXPECT_EQ(quality[cell], lattice::cell_quality(p[0], p[1], p[2], p[3]));
+      inverted += quality[cell] < 0;
+    }
+  }
+  EXPECT_GT(inverted, 100);
 }
 
 TEST(Quality, RegularFlatAndInvertedCells) {

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/misfit.hpp"
 #include "generator/lattice/quality.hpp"
 #include "generator/lattice/ring.hpp"
 #include "generator/lattice/smooth.hpp"
+#include "generator/lattice/surface_faces.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heart::lattice {
@@ -132,7 +134,9 @@ bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, st
   const auto merge = best_merge(c, materials, kept, gone);
   if (merge.gain <= 0 || !shares_only_ring(c, ring, kept, gone)) return false;
   if (is_constrained(bits) && (glues_features(c, ring, kept, gone) ||
-                               leaves_surface(c, materials, kept, gone, merge.position, tolerance.middle)))
+                               leaves_surface(c, materials, kept, gone, merge.position, tolerance.middle) ||
+                               makes_misfit(c, materials, gone, merge.position, kept, tolerance.face) ||
+                               makes_misfit(c, materials, kept, merge.position, gone, tolerance.face)))
     return false;
   c.nodes_mm[static_cast<std::size_t>(kept)] = merge.position;
   const std::vector<std::int32_t> star(c.star(gone).begin(), c.star(gone).end());
@@ -226,7 +230,7 @@ std::int32_t pierce_face(Complex& c, const Materials& materials, const Face& fac
 }
 
 bool divide_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
-                 double tolerance) {
+                 const SurfaceTolerance& tolerance) {
   constexpr double shortest = 0.5;  // in lattice widths: dividing again and again only makes the bad cells smaller
   const double width = static_cast<double>(
       std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]));

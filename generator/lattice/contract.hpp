@@ -24,6 +24,6 @@ std::int32_t pierce_face(Complex& complex, const Materials& materials, const Fac
 
 /// Puts a node on the edge and moves it; undone where the cells around do not get better.
 bool divide_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
-                 double tolerance);
+                 const SurfaceTolerance& tolerance);
 
 }  // namespace heart::lattice

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <span>
 #include <vector>
 
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/misfit.hpp"
 #include "generator/lattice/quality.hpp"
 #include "generator/lattice/ring.hpp"
 
@@ -89,7 +91,12 @@ bool may_turn(const Complex& c, const Materials& materials, const Ring& ring, st
   if ((labels & side_bits) != 0 && std::popcount(labels & ~side_bits) == 1) return true;  // stays in its plane
   const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(first)]);
   const Vec3 middle = 0.5 * (c.at(first) + c.at(last));
-  return distance_to(feature_at(materials, labels, middle)) <= tolerance.middle * spacing;
+  if (distance_to(feature_at(materials, labels, middle)) > tolerance.middle * spacing) return false;
+  const auto fits_all = [&](std::int32_t p, std::int32_t q, std::int32_t r, std::int32_t t) {  // faces pqr and pqt
+    return fits(materials, labels, {c.at(p), c.at(q), c.at(r)}, tolerance.face) &&
+           fits(materials, labels, {c.at(p), c.at(q), c.at(t)}, tolerance.face);
+  };
+  return std::isinf(tolerance.face) || fits_all(first, last, a, b) || !fits_all(a, b, first, last);
 }
 
 // A cell that holds the outer surface's edge alone goes; both other faces of it become outer ones.

@@ -6,13 +6,9 @@
 
 #include "generator/lattice/complex.hpp"
 #include "generator/lattice/materials.hpp"
+#include "generator/lattice/surface_tolerance.hpp"
 
 namespace heart::lattice {
-
-/// How far (in lattice widths) the middle of a new edge on a surface may lie from it.
-struct SurfaceTolerance {
-  double middle = 0.1;
-};
 
 bool remove_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b,
                  const SurfaceTolerance& tolerance);

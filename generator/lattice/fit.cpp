@@ -43,6 +43,8 @@ struct Effort {
   int most_tries;
   std::uint32_t seed;  // of shakes
   bool takes_halves;   // is_worth_it
+  bool spares_faces;   // that fit: on the way to something better they may have to become misfits
+  bool tries_once;     // each misfit, and not again from places beside it
 };
 
 /// What one try made of a place.
@@ -150,6 +152,7 @@ Trial trial_of(const Materials& materials, RepairSettings repairing, const FitSe
                const Effort& effort) {
   repairing.may_relabel = false;  // labels beyond the place are not seen
   repairing.goal = repairing.least = settings.enough + 0.0004;
+  if (effort.spares_faces) repairing.face = settings.aim;
   repairing.sweeps = 6;        // without shakes: another way is cheaper
   repairing.tolerance = 0.08;  // else nodes leave the crease that they were put on
   return {&materials, &settings, repairing, &effort};
@@ -232,11 +235,18 @@ void try_ways(const std::vector<Job*>& jobs, const Trial& trial) {
   parallel::run_tasks(tasks);
 }
 
-void fit(std::vector<Job>& jobs, const Trial& trial) {
+Face in_whole(const Place& place, Face face) {
+  for (auto& n : face) n = place.nodes[static_cast<std::size_t>(n)];
+  return sorted(face);
+}
+
+void fit(std::vector<Job>& jobs, const Trial& trial, const std::vector<Face>& hopeless) {
   std::vector<Job*> active;
   active.reserve(jobs.size());
   for (auto& job : jobs) active.push_back(&job);
   for_each_job(active, [&](Job& job) { begin(job, trial); });
+  for (auto& job : jobs)
+    if (std::ranges::find(hopeless, in_whole(job.place, job.first.worst)) != hopeless.end()) job.left = 0;
   for (;;) {
     std::erase_if(active, [](const Job* job) { return !job->is_active(); });
     if (active.empty()) return;
@@ -268,11 +278,6 @@ std::vector<Job> separate_places(const Complex& c, std::vector<Face>& faces, int
   };
   std::erase_if(faces, is_done);
   return jobs;
-}
-
-Face in_whole(const Place& place, Face face) {
-  for (auto& n : face) n = place.nodes[static_cast<std::size_t>(n)];
-  return sorted(face);
 }
 
 /// A mesh that is being fitted.
@@ -310,16 +315,21 @@ void put_back(Fitting& fitting, std::vector<Job>& jobs, const Effort& effort) {
 std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, const Effort& effort) {
   const auto& complex = *fitting.complex;
   const auto trial = trial_of(*fitting.materials, *fitting.repairing, *fitting.settings, effort);
-  std::vector<Face> missed;
+  std::vector<Face> missed, hopeless;  // the worst faces of places, and of those that were tried in vain
   while (!faces.empty() && fitting.work_left > 0) {
     auto jobs = separate_places(complex, faces, effort.rings, fitting.work_left);
     if (jobs.empty()) break;
     const auto outer = outer_faces_near(complex, fitting.faces, jobs);
     for (auto& job : jobs) job.around = faces_around(complex, outer, job.place);
-    fit(jobs, trial);
+    fit(jobs, trial, hopeless);
     put_back(fitting, jobs, effort);
-    for (const auto& job : jobs)
-      if (job.fitness.misery > 0) missed.push_back(job.is_put_back ? in_whole(job.place, job.fitness.worst) : job.face);
+    for (const auto& job : jobs) {
+      if (job.fitness.misery <= 0) continue;
+      const auto& now = job.is_put_back ? job.fitness : job.first;
+      const auto worst = in_whole(job.place, now.worst);
+      if (effort.tries_once) hopeless.push_back(worst);
+      missed.push_back(job.is_put_back ? worst : job.face);
+    }
   }
   missed.insert(missed.end(), faces.begin(), faces.end());
   return missed;
@@ -342,9 +352,12 @@ std::vector<SurfaceFace> suspects(Fitting& fitting, std::vector<Face> before) {
 
 std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
                        const FitSettings& settings) {
-  // Most places need little, and work that some waste others lack.
-  constexpr std::array efforts{Effort{2, 10, 0, false}, Effort{3, 10, 0, false}, Effort{3, 20, 1, true},
-                               Effort{3, 30, 2, true}};
+  // Most places need little, and work that some waste others lack. What resists needs something else, not more.
+  constexpr std::array efforts{
+      Effort{.rings = 2, .most_tries = 10, .seed = 0, .takes_halves = false, .spares_faces = true, .tries_once = false},
+      Effort{.rings = 3, .most_tries = 10, .seed = 0, .takes_halves = false, .spares_faces = true, .tries_once = true},
+      Effort{.rings = 3, .most_tries = 20, .seed = 1, .takes_halves = true, .spares_faces = false, .tries_once = true},
+      Effort{.rings = 4, .most_tries = 30, .seed = 2, .takes_halves = true, .spares_faces = true, .tries_once = true}};
   constexpr std::size_t usual_cells = 1'500'000;
   const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
   Fitting fitting{&complex, &materials, &repairing, &settings, surface_faces(complex), {}, 0};

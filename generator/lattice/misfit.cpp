@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "generator/lattice/feature.hpp"
@@ -10,27 +12,39 @@
 namespace heart::lattice {
 namespace {
 
-// How far from a point a region (0: the outside) is found, in steps; a little beyond the last one where it is not. To
-// first order, distances say nothing of this: where a region ends in a tail, both sides are as near beyond its end.
-double reach_of(const Materials& materials, int region, const Vec3& from, double edge) {
+constexpr double nowhere = 2;  // edges: where a region is not found
+
+// How far from a point a region (0: the outside) is found in one of 26 directions, in edges; `nowhere` where it is not,
+// or not within the limit. To first order, distances say nothing of this: where a region ends in a tail, both sides are
+// as near beyond its end.
+double reach_of(const Materials& materials, int region, const Vec3& from, double edge_mm, double limit) {
   constexpr std::array steps{0.05, 0.1, 0.15, 0.2, 0.25, 0.28, 0.31, 0.4, 0.55, 0.75, 1.0, 1.4};  // edges
-  constexpr double beyond = 2;
+  constexpr int halvings = 3;                                                                     // of the last step
   if (materials.label_at(from) == region) return 0;
-  for (const double step : steps)
+  double before = 0;
+  for (std::size_t s = 0; s < steps.size() && before < limit; before = steps[s++])
     for (int k = -1; k <= 1; ++k)
       for (int j = -1; j <= 1; ++j)
         for (int i = -1; i <= 1; ++i) {
           if (i == 0 && j == 0 && k == 0) continue;
-          const Vec3 way{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
-          if (materials.label_at(from + step * edge / norm(way) * way) == region) return step * edge;
+          const Vec3 way =
+              edge_mm * normalized(Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+          double low = before, high = std::min(steps[s], limit);
+          if (materials.label_at(from + high * way) != region) continue;
+          for (int h = 0; h < halvings; ++h) {
+            const double middle = 0.5 * (low + high);
+            (materials.label_at(from + middle * way) == region ? high : low) = middle;
+          }
+          return high;
         }
-  return beyond * edge;
+  return nowhere;
 }
 
-double reach_of_all(const Materials& materials, LabelBits labels, const Vec3& from, double edge) {
+double reach_of_all(const Materials& materials, LabelBits labels, const Vec3& from, double edge_mm, double limit) {
   double farthest = 0;
   for (int region = 0; region < first_side; ++region)
-    if ((labels & bit_of(region)) != 0) farthest = std::max(farthest, reach_of(materials, region, from, edge));
+    if ((labels & bit_of(region)) != 0)
+      farthest = std::max(farthest, reach_of(materials, region, from, edge_mm, limit));
   return farthest;
 }
 
@@ -40,26 +54,58 @@ double distance_of_node(const Complex& c, const Materials& materials, std::int32
   if (!is_constrained(labels)) return 0;
   const double distance = distance_to(feature_at(materials, labels, c.at(node)));
   if (!is_constrained(regions)) return distance;
-  return std::max(distance, reach_of_all(materials, regions, c.at(node),
-                                         static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)])));
+  const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]);
+  return std::max(distance, spacing * reach_of_all(materials, regions, c.at(node), spacing, nowhere));
 }
 
-// Distance of a face's centre or, if that is greater, of its nodes from their surfaces and regions, in its mean edges.
+double mean_edge(const std::array<Vec3, 3>& p) {
+  return (norm(p[1] - p[0]) + norm(p[2] - p[1]) + norm(p[0] - p[2])) / 3;
+}
+
+// Distance of a face's centre from its surface or, if that is greater, from the regions that should be on its two
+// sides, in its mean edges; `nowhere` where that is beyond the limit.
+double error_of_center(const Materials& materials, LabelBits labels, const std::array<Vec3, 3>& corners, double limit) {
+  constexpr double aside = 0.15;  // of the edge
+  const double edge = mean_edge(corners);
+  const Vec3 center = (corners[0] + corners[1] + corners[2]) / 3;
+  const double error = distance_to(feature_at(materials, labels, center)) / edge;
+  if (error > limit) return nowhere;
+  const Vec3 way = aside * edge * normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+  const LabelBits found = bit_of(materials.label_at(center + way)) | bit_of(materials.label_at(center - way));
+  return std::max(error, reach_of_all(materials, labels & ~found, center, edge, limit));
+}
+
+// Of its centre or, if that is greater, of its nodes from their surfaces and regions.
 template <class DistanceOfNode>
 double error_of(const Complex& c, const Materials& materials, const SurfaceFace& face,
                 const DistanceOfNode& distance_of) {
-  constexpr double aside = 0.15;  // of the edge
-  const Vec3 a = c.at(face.nodes[0]), b = c.at(face.nodes[1]), d = c.at(face.nodes[2]);
-  const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-  const Vec3 center = (a + b + d) / 3;
-  double farthest = distance_to(feature_at(materials, face.labels, center));
+  const std::array corners{c.at(face.nodes[0]), c.at(face.nodes[1]), c.at(face.nodes[2])};
+  double farthest = 0;
   for (const auto n : face.nodes) farthest = std::max(farthest, distance_of(n));
-  const Vec3 way = aside * edge * normalized(cross(b - a, d - a));
-  const LabelBits found = bit_of(materials.label_at(center + way)) | bit_of(materials.label_at(center - way));
-  return std::max(farthest, reach_of_all(materials, face.labels & ~found, center, edge)) / edge;
+  return std::max(error_of_center(materials, face.labels, corners, std::numeric_limits<double>::infinity()),
+                  farthest / mean_edge(corners));
 }
 
 }  // namespace
+
+bool fits(const Materials& materials, LabelBits labels, const std::array<Vec3, 3>& corners, double limit) {
+  return error_of_center(materials, labels, corners, limit) <= limit;
+}
+
+bool makes_misfit(const Complex& c, const Materials& materials, std::int32_t node, const Vec3& position,
+                  std::int32_t merged, double limit) {
+  if (std::isinf(limit)) return false;
+  const auto faces = surface_faces_at(c, node);
+  return std::any_of(faces.begin(), faces.end(), [&](const SurfaceFace& face) {
+    if (std::ranges::find(face.nodes, merged) != face.nodes.end()) return false;
+    const auto fits_with_node_at = [&](const Vec3& place) {
+      std::array<Vec3, 3> corners;
+      for (std::size_t i = 0; i < 3; ++i) corners[i] = face.nodes[i] == node ? place : c.at(face.nodes[i]);
+      return fits(materials, face.labels, corners, limit);
+    };
+    return !fits_with_node_at(position) && fits_with_node_at(c.at(node));
+  });
+}
 
 Face sorted(Face face) {
   std::sort(face.begin(), face.end());

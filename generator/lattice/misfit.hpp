@@ -1,5 +1,6 @@
 // How far faces are from their surfaces: which are misfits, and how badly a part of a mesh fits.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "generator/lattice/complex.hpp"
@@ -14,6 +15,15 @@ Face sorted(Face face);  ///< nodes ascending
 /// Those of some faces that are farther off than the aim, nodes ascending; the worst face first.
 std::vector<Face> misfits(const Complex& complex, const Materials& materials, const FitSettings& settings,
                           const std::vector<SurfaceFace>& faces);
+
+/// Whether a face's centre is within `limit` (of its mean edges) of its surface and of the regions on its two sides,
+/// which `labels` are.
+bool fits(const Materials& materials, LabelBits labels, const std::array<Vec3, 3>& corners, double limit);
+
+/// Whether a face at `node` that fits would not do so with the node at `position`. Faces at `merged`, if that is a
+/// node, are gone then.
+bool makes_misfit(const Complex& complex, const Materials& materials, std::int32_t node, const Vec3& position,
+                  std::int32_t merged, double limit);
 
 /// How a part fits its surfaces.
 struct Fitness {

@@ -37,7 +37,6 @@ struct Sweep {
   const Materials* materials;
   double goal;
   int number;
-  double tolerance;  // of nodes against their features
   SurfaceTolerance surface;
   std::int64_t* budget;
 
@@ -48,7 +47,7 @@ struct Sweep {
   void smooth_corners(std::int32_t id) const {
     const Cell cell = complex->cell(id);
     for (const auto n : cell)
-      if (complex->quality_of(id) < goal) smooth_node(*complex, *materials, n, goal + 0.05, tolerance);
+      if (complex->quality_of(id) < goal) smooth_node(*complex, *materials, n, goal + 0.05, surface);
   }
   template <class Operation>
   bool any_edge(const Cell& cell, Operation&& operation) const {
@@ -68,7 +67,7 @@ struct Sweep {
         }))
       return true;
     return number >= divide_from &&
-           any_edge(cell, [&](auto a, auto b) { return divide_edge(c, *materials, a, b, goal + 0.05, tolerance); });
+           any_edge(cell, [&](auto a, auto b) { return divide_edge(c, *materials, a, b, goal + 0.05, surface); });
   }
   void smooth_region(std::int32_t id) const {
     constexpr int rounds = 3;
@@ -79,8 +78,8 @@ struct Sweep {
     for (int round = 0; round < rounds && complex->quality_of(id) < goal; ++round) {
       if (complex->quality_of(id) <= before) break;
       before = complex->quality_of(id);
-      for (const auto n : nodes) smooth_node(*complex, *materials, n, far_goal, tolerance);
-      for (const auto n : cell) smooth_node(*complex, *materials, n, far_goal, tolerance);
+      for (const auto n : nodes) smooth_node(*complex, *materials, n, far_goal, surface);
+      for (const auto n : cell) smooth_node(*complex, *materials, n, far_goal, surface);
     }
   }
 };
@@ -134,7 +133,7 @@ struct Shaker {
     constexpr int rounds = 6;
     for (int round = 0; round < rounds; ++round)
       for (const auto n : nodes)
-        smooth_node(*sweep->complex, *sweep->materials, n, sweep->goal + 0.02 * (rounds - round), sweep->tolerance);
+        smooth_node(*sweep->complex, *sweep->materials, n, sweep->goal + 0.02 * (rounds - round), sweep->surface);
   }
 };
 
@@ -203,9 +202,8 @@ std::int64_t repair(Complex& complex, const Materials& materials, const RepairSe
   auto bad = bad_cells(complex, settings.goal);
   for (int number = 0; number < settings.sweeps && !bad.empty() && stalled < most_stalled && budget > 0; ++number) {
     const double loose = number < loosen_from ? 0 : std::min(1.0, 0.2 * (number - loosen_from + 1));
-    const double tolerance = loose * settings.tolerance;
-    run({&complex, &materials, settings.goal, number, tolerance, {settings.middle}, &budget}, bad, settings, noise,
-        shakes_left);
+    const SurfaceTolerance surface{loose * settings.tolerance, settings.middle, settings.face};
+    run({&complex, &materials, settings.goal, number, surface, &budget}, bad, settings, noise, shakes_left);
     const auto left = bad_cells(complex, settings.goal);
     stalled = left.size() < bad.size() || number < loosen_from ? 0 : stalled + 1;
     bad = left;

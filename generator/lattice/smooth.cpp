@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/misfit.hpp"
 #include "generator/lattice/quality.hpp"
 
 namespace heart::lattice {
@@ -204,12 +205,14 @@ bool is_allowed(const Complex& complex, const Materials& materials, std::int32_t
   return distance_to(feature_at(materials, touches & ~side_bits, position)) <= tolerance * spacing;
 }
 
-bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node, double goal, double tolerance) {
+bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node, double goal,
+                 const SurfaceTolerance& surface) {
   const auto cells = complex.star(node);
   if (complex.is_frozen(node) || cells.empty() || cells.size() > most_cells || worst_quality(complex, cells) >= goal)
     return false;
   const auto n = static_cast<std::size_t>(node);
   const double spacing = static_cast<double>(complex.spacing_mm[n]);
+  double tolerance = surface.node;
   if (tolerance > 0 && is_constrained(complex.touches[n])) {
     // A node that is farther away already may go no farther.
     const LabelBits labels = complex.touches[n] & ~side_bits;
@@ -222,6 +225,7 @@ bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node
   Qualities q{};
   const double worst = evaluate(star, position, -9, q);
   if (!smoother.climb(position, q, worst, goal)) return false;
+  if (smoother.is_bound() && makes_misfit(complex, materials, node, position, -1, surface.face)) return false;
   complex.nodes_mm[n] = position;
   update_qualities(complex, cells);
   return true;

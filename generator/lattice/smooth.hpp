@@ -5,12 +5,14 @@
 
 #include "generator/lattice/complex.hpp"
 #include "generator/lattice/materials.hpp"
+#include "generator/lattice/surface_tolerance.hpp"
 
 namespace heart::lattice {
 
-/// Moves `node` uphill until its worst cell reaches `goal` or nothing helps. With `tolerance` 0, nodes on features are
-/// projected onto them; else they move freely within that share of the lattice's width.
-bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node, double goal, double tolerance);
+/// Moves `node` uphill until its worst cell reaches `goal` or nothing helps. Nodes on features are
+/// projected onto them or, with a tolerance, move freely within it; they stay where a face would become a misfit.
+bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node, double goal,
+                 const SurfaceTolerance& tolerance);
 
 /// Whether a node may be at `position`: near enough to all surfaces of its feature, and on its sides of the box.
 bool is_allowed(const Complex& complex, const Materials& materials, std::int32_t node, const Vec3& position,

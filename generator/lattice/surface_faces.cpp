@@ -35,6 +35,14 @@ std::vector<SurfaceFace> surface_faces(const Complex& complex) {
   return parallel::gather<SurfaceFace>(0, static_cast<std::int64_t>(complex.cells.size()), find);
 }
 
+std::vector<SurfaceFace> surface_faces_at(const Complex& complex, std::int32_t node) {
+  std::vector<SurfaceFace> faces;
+  for (const auto t : complex.star(node)) add_faces_of(complex, t, faces);
+  std::erase_if(faces,
+                [&](const SurfaceFace& face) { return std::ranges::find(face.nodes, node) == face.nodes.end(); });
+  return faces;
+}
+
 void renew_faces(std::vector<SurfaceFace>& faces, const Complex& complex, std::span<const std::int32_t> nodes) {
   std::vector<std::uint8_t> is_changed(complex.nodes_mm.size(), 0);
   std::vector<std::int32_t> cells;

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
 
 #include "exporters/bundle.hpp"
 #include "exporters/registry.hpp"
@@ -118,11 +120,15 @@ validation::ReferenceFibers read_reference_fibers(const std::string& folder) {
   return {component("fiber_x.nrrd"), component("fiber_y.nrrd"), component("fiber_z.nrrd")};
 }
 
-/// The part of a bundle's metrics that needs the build's inputs, which `validate` does not have.
-Report kept_rows(const Report& report, const std::string& group) {
+/// The rows of a bundle's metrics that are not measured again: they need the build's inputs, which `validate` does not
+/// have.
+Report kept_rows(const Report& before, const Report& again) {
+  const auto name = [](const ReportRow& row) { return std::tie(row.group, row.scope, row.metric); };
+  std::set<std::tuple<std::string, std::string, std::string>> measured;
+  for (const auto& row : again) measured.insert(name(row));
   Report kept;
-  for (const auto& row : report)
-    if (row.group == group) kept.push_back(row);
+  for (const auto& row : before)
+    if (!measured.contains(name(row))) kept.push_back(row);
   return kept;
 }
 
@@ -193,10 +199,11 @@ int validate_command(const ValidateCommand& command) {
     throw UserError(fmt::format("{}: {}", problems.front().file, problems.front().what), command.bundle,
                     "heartgen verify lists every damaged file");
   const auto meshes = read_meshes(command.bundle);
-  Report report = kept_rows(exporters::read_metrics(command.bundle), "labels");
   const LabelVolume labels = exporters::read_labels(command.bundle);
   const Recipe recipe = bundle_recipe(command.bundle);
-  append(report, certificate(meshes, labels, recipe.mesh, recipe.validation));
+  const Report measured = certificate(meshes, labels, recipe.mesh, recipe.validation);
+  Report report = kept_rows(exporters::read_metrics(command.bundle), measured);
+  append(report, measured);
   if (known_labels) append(report, validation::compare_labels(labels, *known_labels));
   if (known_fibers && meshes.contains("myocardium"))
     append(report, validation::compare_fibers(meshes.at("myocardium"), *known_fibers));

@@ -68,6 +68,20 @@ class EndToEnd : public ::testing::Test {
   }
 };
 
+// What needs the atlas or the CT is not measured again; it is kept.
+TEST_F(EndToEnd, ValidateLosesNoRowOfTheBuild) {
+  std::set<std::string> groups;
+  const Json before = Json::parse(testing::text_of(folder() + "/bundle/validation/metrics.json"));
+  for (const auto& row : before["rows"]) {
+    const auto is_it = [&](const Json& other) {
+      return other["group"] == row["group"] && other["scope"] == row["scope"] && other["metric"] == row["metric"];
+    };
+    EXPECT_EQ(std::ranges::count_if(rows(), is_it), 1) << row;
+    groups.insert(row["group"].get<std::string>());
+  }
+  EXPECT_EQ(groups, (std::set<std::string>{"fibers", "fit", "labels", "mesh"}));
+}
+
 TEST_F(EndToEnd, LabelsAgreeWithTheTruth) {
   EXPECT_GE(value("fit", "lv_blood", "dice"), 0.95);
   EXPECT_GE(value("fit", "lv_myocardium", "dice"), 0.85);

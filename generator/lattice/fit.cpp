@@ -170,7 +170,7 @@ void begin(Job& job, const Trial& trial) {
   const auto& part = job.place.part;
   job.meeting = count_meeting(part, job.around);
   job.least = std::min(trial.settings->enough, worst_quality(part));
-  job.first = job.fitness = fitness_of(part, *trial.materials, *trial.settings);
+  job.first = job.fitness = fitness_of(part, *trial.materials, trial.settings->aim, trial.settings->labels);
   job.left = trial.effort->most_tries;
   job.way = first_way(job, *trial.materials);
 }
@@ -186,7 +186,7 @@ Outcome try_way(const Job& job, const Trial& trial, int way) {
   repair(made, materials, trial.repairing);
   draw_to_surfaces(made, materials, trial.settings->enough);
   balance_surfaces(made, materials, trial.settings->enough);
-  outcome.fitness = fitness_of(made, materials, *trial.settings);
+  outcome.fitness = fitness_of(made, materials, trial.settings->aim, trial.settings->labels);
   outcome.is_better = outcome.fitness.misery < job.fitness.misery && worst_quality(made) >= job.least &&
                       count_meeting(made, job.around) <= job.meeting;
   return outcome;
@@ -362,12 +362,12 @@ std::int64_t fit_faces(Complex& complex, const Materials& materials, const Repai
   const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
   Fitting fitting{&complex, &materials, &repairing, &settings, surface_faces(complex), {}, 0};
   fitting.work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(cells));
-  const auto found = misfits(complex, materials, settings, fitting.faces);
+  const auto found = misfits(complex, materials, settings.aim, settings.labels, fitting.faces);
   fitting.faces = faces_near(complex, fitting.faces, found);
   auto missed = found;
   for (const auto& effort : efforts) missed = fit_places(fitting, std::move(missed), effort);
   std::sort(missed.begin(), missed.end());
-  auto late = misfits(complex, materials, settings, suspects(fitting, found));
+  auto late = misfits(complex, materials, settings.aim, settings.labels, suspects(fitting, found));
   std::erase_if(late, [&](const Face& face) { return std::binary_search(missed.begin(), missed.end(), face); });
   const auto again = fit_places(fitting, std::move(late), efforts.front());
   return static_cast<std::int64_t>(missed.size() + again.size());

@@ -112,7 +112,7 @@ Face sorted(Face face) {
   return face;
 }
 
-std::vector<Face> misfits(const Complex& c, const Materials& materials, const FitSettings& settings,
+std::vector<Face> misfits(const Complex& c, const Materials& materials, double aim, LabelBits labels,
                           const std::vector<SurfaceFace>& faces) {
   std::vector<double> error(faces.size()), off(c.nodes_mm.size(), 0);
   std::vector<std::uint8_t> is_asked(off.size(), 0);
@@ -129,8 +129,7 @@ std::vector<Face> misfits(const Complex& c, const Materials& materials, const Fi
   });
   std::vector<std::pair<double, Face>> found;
   for (std::size_t f = 0; f < faces.size(); ++f)
-    if (error[f] > settings.aim && (faces[f].labels & settings.labels) != 0)
-      found.emplace_back(-error[f], sorted(faces[f].nodes));
+    if (error[f] > aim && (faces[f].labels & labels) != 0) found.emplace_back(-error[f], sorted(faces[f].nodes));
   std::sort(found.begin(), found.end());
   std::vector<Face> worst;
   worst.reserve(found.size());
@@ -138,7 +137,7 @@ std::vector<Face> misfits(const Complex& c, const Materials& materials, const Fi
   return worst;
 }
 
-Fitness fitness_of(const Complex& part, const Materials& materials, const FitSettings& settings) {
+Fitness fitness_of(const Complex& part, const Materials& materials, double aim, LabelBits labels) {
   Fitness found;
   std::vector<double> off(part.nodes_mm.size(), -1);  // of the nodes that were asked for
   const auto distance_of = [&](std::int32_t n) {
@@ -149,13 +148,13 @@ Fitness fitness_of(const Complex& part, const Materials& materials, const FitSet
   for (const auto& face : surface_faces(part)) {
     const bool is_still = std::all_of(face.nodes.begin(), face.nodes.end(), [&](auto n) { return part.is_frozen(n); });
     const bool is_cut = is_still && (face.labels & bit_of(0)) != 0;
-    if (is_cut || (face.labels & settings.labels) == 0) continue;
+    if (is_cut || (face.labels & labels) == 0) continue;
     const double error = error_of(part, materials, face, distance_of);
     if (error > found.error) {
       found.worst = face.nodes;
       found.error = error;
     }
-    const double beyond = std::max(0.0, error - settings.aim);
+    const double beyond = std::max(0.0, error - aim);
     found.misery += beyond * beyond;
     found.misfits += beyond > 0;
   }

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "generator/lattice/complex.hpp"
-#include "generator/lattice/fit.hpp"
 #include "generator/lattice/materials.hpp"
 #include "generator/lattice/surface_faces.hpp"
 
@@ -12,8 +11,9 @@ namespace heart::lattice {
 
 Face sorted(Face face);  ///< nodes ascending
 
-/// Those of some faces that are farther off than the aim, nodes ascending; the worst face first.
-std::vector<Face> misfits(const Complex& complex, const Materials& materials, const FitSettings& settings,
+/// Those of some faces on surfaces of these labels that are farther off than `aim` (of their mean edges), nodes
+/// ascending; the worst face first.
+std::vector<Face> misfits(const Complex& complex, const Materials& materials, double aim, LabelBits labels,
                           const std::vector<SurfaceFace>& faces);
 
 /// Whether a face's centre is within `limit` (of its mean edges) of its surface and of the regions on its two sides,
@@ -34,6 +34,6 @@ struct Fitness {
 };
 
 /// Of the faces of a part that can change. (Those where it was cut out have frozen nodes only, and no cell beyond.)
-Fitness fitness_of(const Complex& part, const Materials& materials, const FitSettings& settings);
+Fitness fitness_of(const Complex& part, const Materials& materials, double aim, LabelBits labels);
 
 }  // namespace heart::lattice

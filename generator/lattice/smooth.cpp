@@ -26,7 +26,7 @@ struct Star {
 };
 using Qualities = std::array<double, most_cells>;
 
-constexpr std::size_t batch = 4;
+constexpr std::size_t batch = CellBatch::size;
 
 // Qualities first to first + 3 with the node at `p`; the arrays have room for a whole batch at the end.
 HEART_LATTICE_VECTOR void evaluate_batch(const Star& star, std::size_t first, double px, double py, double pz,

@@ -41,19 +41,71 @@ std::vector<Volume<float>> clipped_distances(const Volume<std::uint8_t>& cut) {
           channel([](std::uint8_t v) { return !is(v, Part::outside); })};
 }
 
-/// A coarse lattice of points in the patient's heart and up to 4 mm around it; only those that a cut does not reach.
-std::vector<Vec3> sample_points(const Volume<float>& hull, const std::optional<Plane>& cut) {
+/// What the map makes of a plane.
+Plane mapped(const AffineMap& map, const Plane& plane) {
+  const Vec3 helper = std::abs(plane.normal.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 first = normalized(cross(helper, plane.normal)), second = cross(plane.normal, first);
+  return {map(plane.point_mm), normalized(cross(map.matrix * first, map.matrix * second))};
+}
+
+/// Where a patient's ventricles end: at their base, or, where that is cut off, at the cut and where the atlas ends.
+std::vector<Plane> ends_of(const Ventricles& patient, const Ventricles& atlas, const AffineMap& atlas_from_patient) {
+  if (!patient.cut) return {base_plane(patient)};
+  return {*patient.cut, mapped(inverse(atlas_from_patient), base_plane(atlas))};
+}
+
+/// A coarse lattice of points in the patient's heart and up to 4 mm around it; only those that no cut reaches.
+std::vector<Vec3> sample_points(const Volume<float>& hull, const std::vector<Plane>& cuts) {
   const auto& g = hull.grid;
   const auto step = std::max<std::int64_t>(1, std::llround(sample_spacing_mm / g.spacing_mm.x));
   std::vector<Vec3> points;
   for (std::int64_t k = 0; k < g.size[2]; k += step)
     for (std::int64_t j = 0; j < g.size[1]; j += step)
-      for (std::int64_t i = 0; i < g.size[0]; i += step)
-        if (hull(i, j, k) < 4) {
-          const Vec3 p = voxel_center(g, g.offset(i, j, k));
-          if (!cut || depth_below_mm(*cut, p) > clip_mm) points.push_back(p);
-        }
+      for (std::int64_t i = 0; i < g.size[0]; i += step) {
+        const Vec3 p = voxel_center(g, g.offset(i, j, k));
+        const auto clear = [&](const Plane& cut) { return depth_below_mm(cut, p) > clip_mm; };
+        if (hull(i, j, k) < 4 && std::all_of(cuts.begin(), cuts.end(), clear)) points.push_back(p);
+      }
   return points;
+}
+
+/// Distance maps of both hearts as they are cut, the patient's at a lattice of points.
+struct Maps {
+  std::vector<Vec3> points_mm;
+  std::vector<std::vector<float>> patient;
+  std::vector<Volume<float>> atlas;
+};
+
+/// `cuts` of the patient: no point is so near that they change its distances.
+Maps maps_of(const CommonParts& parts, const std::vector<Plane>& cuts) {
+  Maps maps;
+  maps.atlas = clipped_distances(parts.atlas);
+  const auto patient = clipped_distances(parts.patient);
+  maps.points_mm = sample_points(patient.back(), cuts);
+  for (const auto& map : patient) {
+    auto& channel = maps.patient.emplace_back();
+    for (const Vec3& p : maps.points_mm)
+      channel.push_back(static_cast<float>(sample_linear(map, index_from_lps(map.grid, p))));
+  }
+  return maps;
+}
+
+adapters::PoseFit fit(const Maps& maps, const AffineMap& start, const Vec3& center, adapters::PoseFreedom freedom) {
+  std::vector<const Volume<float>*> targets;
+  for (const auto& map : maps.atlas) targets.push_back(&map);
+  return adapters::fit_pose(start, center, maps.points_mm, targets, maps.patient, freedom);
+}
+
+/// Without its base a heart does not say how long it is, other than by how wide it is. Where the atlas ends in it is
+/// known from a first fit on; the end that its own frame has says nothing.
+adapters::PoseFit fit_cut_pose(const Ventricles& patient, const Ventricles& atlas, const AffineMap& start) {
+  const Vec3 center = middle_of(patient.frame);
+  const auto similarity = adapters::PoseFreedom::similarity;
+  const CommonParts parts{cut_at_base(patient), cut_at_base(atlas)};
+  const auto first = fit(maps_of(parts, {*patient.cut}), start, center, similarity);
+  if (!(determinant(first.map.matrix) > 0)) return first;
+  const auto maps = maps_of(common_parts(patient, atlas, first.map), ends_of(patient, atlas, first.map));
+  return fit(maps, first.map, center, similarity);
 }
 
 }  // namespace
@@ -67,29 +119,25 @@ AffineMap pose_from_frames(const Ventricles& patient, const Ventricles& atlas) {
   return map;
 }
 
+CommonParts common_parts(const Ventricles& patient, const Ventricles& atlas, const AffineMap& atlas_from_patient) {
+  std::vector<Plane> atlas_ends{base_plane(atlas)};
+  if (patient.cut) atlas_ends.push_back(mapped(atlas_from_patient, *patient.cut));
+  return {cut_at(patient, ends_of(patient, atlas, atlas_from_patient)), cut_at(atlas, atlas_ends)};
+}
+
 Pose fit_atlas_pose(const Ventricles& patient, const Ventricles& atlas) {
-  const auto patient_maps = clipped_distances(cut_at_base(patient));
-  const auto atlas_maps = clipped_distances(cut_at_base(atlas));
-  const auto points = sample_points(patient_maps.back(), patient.cut);
-  std::vector<const Volume<float>*> targets;
-  std::vector<std::vector<float>> values;
-  for (std::size_t c = 0; c < patient_maps.size(); ++c) {
-    targets.push_back(&atlas_maps[c]);
-    auto& channel = values.emplace_back();
-    for (const Vec3& p : points)
-      channel.push_back(static_cast<float>(sample_linear(patient_maps[c], index_from_lps(patient_maps[c].grid, p))));
-  }
   const AffineMap start = pose_from_frames(patient, atlas);
   const Vec3 center = middle_of(patient.frame);
-  const auto similar = adapters::fit_pose(start, center, points, targets, values, adapters::PoseFreedom::similarity);
-  // Without its base a heart does not say how long it is, other than by how wide it is.
-  const auto fit =
-      patient.cut ? similar
-                  : adapters::fit_pose(similar.map, center, points, targets, values, adapters::PoseFreedom::affine);
-  if (!(fit.rms <= hopeless_rms_mm) || determinant(fit.map.matrix) <= 0)
-    throw UserError(fmt::format("the atlas does not fit the patient's ventricles (misfit {:.1f} mm)", fit.rms),
+  const auto whole = [&] {
+    const Maps maps = maps_of({cut_at_base(patient), cut_at_base(atlas)}, {});
+    const auto similar = fit(maps, start, center, adapters::PoseFreedom::similarity);
+    return fit(maps, similar.map, center, adapters::PoseFreedom::affine);
+  };
+  const auto found = patient.cut ? fit_cut_pose(patient, atlas, start) : whole();
+  if (!(found.rms <= hopeless_rms_mm) || determinant(found.map.matrix) <= 0)
+    throw UserError(fmt::format("the atlas does not fit the patient's ventricles (misfit {:.1f} mm)", found.rms),
                     "fibers", "check the segmentation of the ventricles, and that the atlas is a mesh of both");
-  return {fit.map, fit.rms};
+  return {found.map, found.rms};
 }
 
 }  // namespace heart::atlas

@@ -18,6 +18,14 @@ struct Pose {
 /// it cannot mirror.
 AffineMap pose_from_frames(const Ventricles& patient, const Ventricles& atlas);
 
+struct CommonParts {
+  Volume<std::uint8_t> patient, atlas;  ///< each on its own grid
+};
+
+/// Both hearts as far up as both are known. With its base, each ends at its own base plane. A patient whose base is cut
+/// off has none that says anything about the atlas's: then both end at the cut and at the atlas's base plane.
+CommonParts common_parts(const Ventricles& patient, const Ventricles& atlas, const AffineMap& atlas_from_patient);
+
 /// Throws UserError when the hearts do not overlap afterwards (rms above 5 mm).
 Pose fit_atlas_pose(const Ventricles& patient, const Ventricles& atlas);
 

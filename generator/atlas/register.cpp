@@ -141,29 +141,12 @@ double wall_overlap(const Registration& registration, const Volume<std::uint8_t>
   return sum > 0 ? 2 * both / sum : 0;
 }
 
-/// What the map makes of a plane.
-Plane mapped(const adapters::AffineMap& map, const Plane& plane) {
-  const Vec3 helper = std::abs(plane.normal.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  const Vec3 first = normalized(cross(helper, plane.normal)), second = cross(plane.normal, first);
-  return {map(plane.point_mm), normalized(cross(map.matrix * first, map.matrix * second))};
-}
-
-void take_away_above(const Plane& plane, Volume<std::uint8_t>& parts) {
-  parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t v = begin; v < end; ++v)
-      if (depth_below_mm(plane, voxel_center(parts.grid, v)) < 0)
-        parts.voxels[static_cast<std::size_t>(v)] = tag(Part::outside);
-  });
-}
-
 }  // namespace
 
 Registration register_atlas(const Ventricles& patient, const Ventricles& atlas, const FiberSettings& settings) {
   Registration result;
   result.pose = fit_atlas_pose(patient, atlas);
-  const auto patient_cut = cut_at_base(patient);
-  auto atlas_cut = cut_at_base(atlas);
-  if (patient.cut) take_away_above(mapped(result.pose.atlas_from_patient, *patient.cut), atlas_cut);
+  const auto [patient_cut, atlas_cut] = common_parts(patient, atlas, result.pose.atlas_from_patient);
   const Grid grid = registration_grid(patient.parts.grid, settings.grid_mm);
   const double blur = 0.5 * settings.grid_mm / patient.parts.grid.spacing_mm.x;
   const auto fixed_fine = smoothed(part_image(patient_cut), blur), moving_fine = smoothed(part_image(atlas_cut), blur);

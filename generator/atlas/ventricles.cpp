@@ -291,10 +291,10 @@ void continue_above(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3&
   });
 }
 
-Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles) {
+Volume<std::uint8_t> cut_at(const Ventricles& ventricles, const std::vector<Plane>& planes) {
   Volume<std::uint8_t> parts = ventricles.parts;
   const auto is_above = [&](const Vec3& p) {
-    return depth_below_base_mm(ventricles.frame, p) < 0 || (ventricles.cut && depth_below_mm(*ventricles.cut, p) < 0);
+    return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) { return depth_below_mm(plane, p) < 0; });
   };
   parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
@@ -304,6 +304,12 @@ Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles) {
     }
   });
   return parts;
+}
+
+Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles) {
+  std::vector<Plane> planes{base_plane(ventricles)};
+  if (ventricles.cut) planes.push_back(*ventricles.cut);
+  return cut_at(ventricles, planes);
 }
 
 Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& landmarks, double spacing_mm) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "generator/atlas/atlas.hpp"
 #include "model/landmarks.hpp"
@@ -68,7 +69,14 @@ inline double depth_below_mm(const Plane& plane, const Vec3& point_mm) {
   return dot(point_mm - plane.point_mm, plane.normal);
 }
 
-/// The parts with everything above the base plane, and above the cut, taken away, as the atlas ends there.
+inline Plane base_plane(const Ventricles& ventricles) {
+  return {ventricles.frame.base_point_mm, ventricles.frame.base_normal};
+}
+
+/// The parts with everything above any of the planes, and beyond valves, taken away.
+Volume<std::uint8_t> cut_at(const Ventricles& ventricles, const std::vector<Plane>& planes);
+
+/// The same at the base plane and at the cut, if there is one.
 Volume<std::uint8_t> cut_at_base(const Ventricles& ventricles);
 
 /// Ventricles of a label map (tags of labels.hpp) resampled to `spacing_mm`. Papillary muscles count as cavity. The

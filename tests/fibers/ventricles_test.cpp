@@ -8,6 +8,7 @@
 #include "datasets/phantom/phantom.hpp"
 #include "generator/atlas/coordinates.hpp"
 #include "generator/atlas/openings.hpp"
+#include "generator/atlas/pose.hpp"
 #include "generator/atlas/quadratic_continuation.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/fibers/hearts.hpp"
@@ -173,6 +174,35 @@ TEST(CutVentricles, StraightWallsGoStraightThroughTheCut) {
   }
   EXPECT_GT(walls, 1000);
   EXPECT_EQ(wrong, 0);
+}
+
+TEST(CutVentricles, AreComparedWithTheAtlasAsFarUpAsBothAreKnown) {
+  atlas::Ventricles patient, whole;
+  patient.parts = Volume<std::uint8_t>(millimetre_grid({4, 4, 60}), tag(Part::lv_wall));
+  whole.parts = patient.parts;
+  const Vec3 down{0, 0, -1};
+  patient.frame.base_point_mm = {0, 0, 20}, patient.frame.base_normal = down;
+  whole.frame.base_point_mm = {0, 0, 25}, whole.frame.base_normal = down;
+  const atlas::AffineMap map{{{Vec3{0.5, 0, 0}, Vec3{0, 0.5, 0}, Vec3{0, 0, 0.5}}}, {0, 0, 2}};
+  const auto top = [](const Volume<std::uint8_t>& parts) {
+    std::int64_t k = 0;
+    while (k < parts.grid.size[2] && is(parts(1, 1, k), Part::lv_wall)) ++k;
+    return k - 1;
+  };
+  const auto with_bases = common_parts(patient, whole, map);
+  EXPECT_EQ(top(with_bases.patient), 20);
+  EXPECT_EQ(top(with_bases.atlas), 25);
+  // What the patient's frame takes for the base is no end of a heart that is cut: at 40 the cut ends it, 22 in the
+  // atlas.
+  patient.cut = atlas::Plane{{0, 0, 40}, down};
+  const auto at_cut = common_parts(patient, whole, map);
+  EXPECT_EQ(top(at_cut.patient), 40);
+  EXPECT_EQ(top(at_cut.atlas), 22);
+  // The atlas's end at 25 lies at 46 in the patient.
+  patient.cut = atlas::Plane{{0, 0, 55}, down};
+  const auto at_atlas_end = common_parts(patient, whole, map);
+  EXPECT_EQ(top(at_atlas_end.patient), 46);
+  EXPECT_EQ(top(at_atlas_end.atlas), 25);
 }
 
 /// A wide cavity under a lid with a hole, from which a tube leads to the side (+x) and ends open.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "generator/atlas/axis_tensor.hpp"
+#include "generator/atlas/continue_above.hpp"
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/atlas/standard_pose.hpp"

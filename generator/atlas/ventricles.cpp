@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "generator/atlas/axis_tensor.hpp"
+#include "generator/atlas/continue_above.hpp"
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/openings.hpp"
 #include "generator/atlas/resample.hpp"
@@ -273,22 +274,6 @@ HeartFrame heart_frame(const Volume<std::uint8_t>& parts, const Vec3& base_point
   frame.rv_side = normalized(to_rv - dot(to_rv, axis) * axis);
   for (const Vec3& p : lv) frame.length_mm = std::max(frame.length_mm, dot(p - frame.base_point_mm, axis));
   return frame;
-}
-
-void continue_above(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis) {
-  constexpr double below_voxels = 0.9;  // the nearest voxel is never above the plane: half a diagonal is 0.87
-  const Volume<std::uint8_t> source = parts;
-  const double below_mm = below_voxels * parts.grid.spacing_mm.x, rise = dot(axis, plane.normal);
-  parallel::parallel_for(0, parts.grid.voxel_count(), [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t v = begin; v < end; ++v) {
-      const Vec3 p = voxel_center(parts.grid, v);
-      const double height = -depth_below_mm(plane, p);
-      if (height <= 0) continue;
-      const Vec3 index = index_from_lps(parts.grid, p + ((height + below_mm) / rise) * axis);
-      const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
-      parts.voxels[static_cast<std::size_t>(v)] = parts.grid.contains(i, j, k) ? source(i, j, k) : tag(Part::outside);
-    }
-  });
 }
 
 Volume<std::uint8_t> cut_at(const Ventricles& ventricles, const std::vector<Plane>& planes) {

@@ -111,7 +111,4 @@ AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm);
 /// Slices' centroids of the left ventricle, only those clear of a tilted base, iterated.
 HeartFrame heart_frame(const Volume<std::uint8_t>& parts, const Vec3& base_point_mm, const Vec3& base_normal);
 
-/// Continues the parts above a plane straight along the axis, so that walls go through it without a bend.
-void continue_above(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis);
-
 }  // namespace heart::atlas

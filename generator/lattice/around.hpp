@@ -33,24 +33,6 @@ struct FacesByHeight {
 
 FacesByHeight by_height(const Complex& complex, const std::vector<Face>& faces);
 
-Box box_of(const Complex& complex, const Face& face);
-
-/// Cubes of a coarse grid that some boxes meet, so that what meets none of them is told at a glance.
-class MarkedCubes {
- public:
-  explicit MarkedCubes(std::span<const Box> boxes);
-  bool may_meet(const Box& box) const;
-
- private:
-  static constexpr std::size_t side = 64;
-  std::size_t place(const Vec3& p, int axis) const;
-  template <class Visit>
-  void for_cubes(const Box& box, const Visit& visit) const;
-
-  Box all_;
-  std::vector<std::uint8_t> marked_;
-};
-
 Around faces_around(const Complex& whole, const FacesByHeight& outer, const Place& place);
 
 /// Pairs of outer faces, of a part and of what is around it, that pass through each other.

@@ -1,8 +1,9 @@
-// Boxes along the axes, around points.
+// Boxes along the axes, around points and faces.
 #pragma once
 #include <algorithm>
+#include <array>
 
-#include "model/vec.hpp"
+#include "generator/lattice/complex.hpp"
 
 namespace heart::lattice {
 
@@ -25,6 +26,10 @@ Box box_around(const Points& points) {
   Box box{*points.begin(), *points.begin()};
   for (const Vec3& p : points) box.add(p);
   return box;
+}
+
+inline Box box_of(const Complex& complex, const Face& face) {
+  return box_around(std::array{complex.at(face[0]), complex.at(face[1]), complex.at(face[2])});
 }
 
 }  // namespace heart::lattice

@@ -13,6 +13,7 @@
 #include "generator/lattice/contract.hpp"
 #include "generator/lattice/exchange.hpp"
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/marked_cubes.hpp"
 #include "generator/lattice/misfit.hpp"
 #include "generator/lattice/place.hpp"
 #include "generator/lattice/refine.hpp"

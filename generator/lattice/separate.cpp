@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
 #include "generator/lattice/box.hpp"
+#include "generator/lattice/marked_cubes.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/sort_unique.hpp"
@@ -162,25 +164,47 @@ void add_meeting(const Faces& all, const std::vector<FaceBox>& boxes, const Cube
     }
 }
 
-// Nodes of the faces that meet others, each once, and the mean direction out of the mesh there.
-std::vector<std::pair<std::int32_t, Vec3>> ways_out(const Complex& c, const std::vector<Face>& faces,
-                                                    const std::vector<FacePair>& pairs) {
+// Each once, ascending.
+std::vector<std::int32_t> nodes_of(const std::vector<Face>& faces, const std::vector<FacePair>& pairs) {
   std::vector<std::int32_t> nodes;
   for (const auto& [one, other] : pairs)
     for (const auto f : {one, other})
       for (const auto n : faces[static_cast<std::size_t>(f)]) nodes.push_back(n);
   sort_unique(nodes);
-  std::vector<std::pair<std::int32_t, Vec3>> ways;
-  ways.reserve(nodes.size());
-  for (const auto n : nodes) ways.emplace_back(n, Vec3{});
+  return nodes;
+}
+
+std::vector<Face> faces_at(const std::vector<Face>& faces, const std::vector<std::int32_t>& nodes) {
+  std::vector<Face> found;
+  std::copy_if(faces.begin(), faces.end(), std::back_inserter(found), [&](const Face& face) {
+    return std::any_of(face.begin(), face.end(), [&](auto n) { return std::ranges::binary_search(nodes, n); });
+  });
+  return found;
+}
+
+// The mean direction out of the mesh at each node, of all outer faces there.
+std::vector<Vec3> ways_out(const Complex& c, const std::vector<Face>& faces, const std::vector<std::int32_t>& nodes) {
+  std::vector<Vec3> ways(nodes.size());
   for (const auto& face : faces) {
     const Vec3 normal = cross(c.at(face[1]) - c.at(face[0]), c.at(face[2]) - c.at(face[0]));
     for (const auto n : face) {
-      const auto found = std::lower_bound(nodes.begin(), nodes.end(), n);
-      if (found != nodes.end() && *found == n) ways[static_cast<std::size_t>(found - nodes.begin())].second += normal;
+      const auto found = std::ranges::lower_bound(nodes, n);
+      if (found != nodes.end() && *found == n) ways[static_cast<std::size_t>(found - nodes.begin())] += normal;
     }
   }
   return ways;
+}
+
+// Those that some faces may meet.
+std::vector<Face> faces_near(const Complex& c, const std::vector<Face>& faces, const std::vector<Face>& some) {
+  std::vector<Box> boxes;
+  boxes.reserve(some.size());
+  for (const auto& face : some) boxes.push_back(box_of(c, face));
+  const MarkedCubes cubes(boxes);
+  std::vector<Face> near;
+  std::copy_if(faces.begin(), faces.end(), std::back_inserter(near),
+               [&](const Face& face) { return cubes.may_meet(box_of(c, face)); });
+  return near;
 }
 
 void draw_back(Complex& c, std::int32_t node, const Vec3& way_out, double least_quality) {
@@ -219,11 +243,16 @@ std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std
 std::int64_t separate_sheets(Complex& complex, double least_quality) {
   constexpr int most_rounds = 8, late_rounds = 8;
   constexpr double late_quality = 0.4885;  // angles in [29, 145] degrees
-  const auto faces = outer_faces(complex);
+  const auto all = outer_faces(complex);
+  auto faces = all;
   auto pairs = meeting_faces(complex.nodes_mm, faces);
   for (int round = 0; round < most_rounds + late_rounds && !pairs.empty(); ++round) {
     const double least = round < most_rounds ? least_quality : std::min(least_quality, late_quality);
-    for (const auto& [node, way] : ways_out(complex, faces, pairs)) draw_back(complex, node, way, least);
+    const auto nodes = nodes_of(faces, pairs);
+    const auto moved = faces_at(all, nodes);
+    const auto ways = ways_out(complex, moved, nodes);
+    for (std::size_t i = 0; i < nodes.size(); ++i) draw_back(complex, nodes[i], ways[i], least);
+    faces = faces_near(complex, all, moved);  // no others can have begun or ceased to meet
     pairs = meeting_faces(complex.nodes_mm, faces);
   }
   return static_cast<std::int64_t>(pairs.size());

@@ -1,0 +1,28 @@
+// Which parts of space some boxes may lie in.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "generator/lattice/box.hpp"
+
+namespace heart::lattice {
+
+/// Cubes of a coarse grid that some boxes meet, so that what meets none of them is told at a glance.
+class MarkedCubes {
+ public:
+  explicit MarkedCubes(std::span<const Box> boxes);
+  bool may_meet(const Box& box) const;
+
+ private:
+  static constexpr std::size_t side = 64;
+  std::size_t place(const Vec3& p, int axis) const;
+  template <class Visit>
+  void for_cubes(const Box& box, const Visit& visit) const;
+
+  Box all_;
+  std::vector<std::uint8_t> marked_;
+};
+
+}  // namespace heart::lattice

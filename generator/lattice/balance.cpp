@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <map>
 
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/slabs.hpp"
@@ -117,34 +118,94 @@ std::vector<Vec3> shifts_at_worst(const Complex& c, const std::vector<SurfaceFac
   return shift;
 }
 
+/// By how much the faces between two labels are off in the mean: signed distance times area, and area.
+struct MeanOffset {
+  double volume_mm3 = 0, area_mm2 = 0;
+  double mm() const { return area_mm2 > 0 ? volume_mm3 / area_mm2 : 0; }
+};
+using MeanOffsets = std::map<LabelBits, MeanOffset>;
+
+MeanOffsets mean_offsets(const Complex& c, const std::vector<SurfaceFace>& faces, const Measures& found) {
+  MeanOffsets sums;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& n = faces[f].nodes;
+    double offset = share_of_center * found.center[f];
+    for (const auto corner : n) offset += share_of_corner * found.node[static_cast<std::size_t>(corner)].distance;
+    const double area = 0.5 * norm(cross(c.at(n[1]) - c.at(n[0]), c.at(n[2]) - c.at(n[0])));
+    auto& sum = sums[faces[f].labels];
+    sum.volume_mm3 += area * offset;
+    sum.area_mm2 += area;
+  }
+  return sums;
+}
+
+std::vector<Vec3> shifts_to_even_out(const Complex& c, const MeanOffsets& offsets, const Measures& found) {
+  constexpr double least_way = 5e-4;  // of the lattice's width
+  std::vector<Vec3> shift(c.nodes_mm.size());
+  for (const auto& [labels, offset] : offsets)
+    for (std::size_t n = 0; n < shift.size(); ++n) {
+      const double spacing = static_cast<double>(c.spacing_mm[n]), limit = most_shift * spacing;
+      if ((c.touches[n] & ~side_bits) != labels || std::abs(offset.mm()) < least_way * spacing) continue;
+      const double own = found.node[n].distance;
+      // A node beyond its limit stays where it is.
+      const double wanted = std::clamp(own - offset.mm(), std::min(own, -limit), std::max(own, limit));
+      shift[n] = along_normal(c.touches[n], found.node[n].normal, wanted - own);
+    }
+  return shift;
+}
+
+/// The nodes that move in one round, and which of all have moved in the last one.
+struct Rounds {
+  Slabs slabs;
+  std::vector<std::int32_t> to_move;
+  std::vector<std::uint8_t> is_marked;
+};
+
+void shift_nodes(Complex& c, const std::vector<Vec3>& shift, double least_way, double least_quality, Rounds& rounds) {
+  constexpr int tries = 3;
+  auto& [slabs, to_move, is_marked] = rounds;
+  to_move.clear();
+  for (std::size_t n = 0; n < shift.size(); ++n)
+    if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) && !c.is_frozen(static_cast<std::int32_t>(n)))
+      to_move.push_back(static_cast<std::int32_t>(n));
+  std::fill(is_marked.begin(), is_marked.end(), std::uint8_t{0});
+  for_slabs(
+      slabs, to_move.size(), [&](std::size_t i) { return c.at(to_move[i]); },
+      [&](std::size_t i) {
+        const auto n = static_cast<std::size_t>(to_move[i]);
+        is_marked[n] = shift_node(c, to_move[i], shift[n], tries, least_quality);
+      });
+}
+
+Rounds rounds_over(const Complex& c, const std::vector<SurfaceFace>& faces) {
+  constexpr std::size_t fewest = 2000;  // faces of a slab: fewer are not worth a thread
+  constexpr int most_cells = 2;         // between nodes that share one, although they have moved since
+  return {slabs_across(c, most_cells, faces.size() / fewest), {}, std::vector<std::uint8_t>(c.nodes_mm.size(), 1)};
+}
+
 }  // namespace
 
 void balance_surfaces(Complex& c, const Materials& materials, double least_quality) {
   constexpr int rounds = 4, rounds_at_worst = 2;
-  constexpr std::size_t fewest = 2000;  // faces of a slab: fewer are not worth a thread
-  constexpr int most_cells = 2;         // between nodes that share one, although they have moved since
-  constexpr double least_way = 1e-3;    // of the lattice's width
-  constexpr int tries = 3;
+  constexpr double least_way = 1e-3;  // of the lattice's width
   const auto faces = surface_faces(c);
-  const auto slabs = slabs_across(c, most_cells, faces.size() / fewest);
+  auto moving = rounds_over(c, faces);
   Measures found;
-  std::vector<std::int32_t> to_move;
-  std::vector<std::uint8_t> is_marked(c.nodes_mm.size(), 1);
   for (int round = 0; round < rounds + rounds_at_worst; ++round) {
-    measure(c, materials, faces, is_marked, found);
+    measure(c, materials, faces, moving.is_marked, found);
     const auto shift = round < rounds ? shifts_of(c, faces, found) : shifts_at_worst(c, faces, found);
-    to_move.clear();
-    for (std::size_t n = 0; n < shift.size(); ++n)
-      if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) &&
-          !c.is_frozen(static_cast<std::int32_t>(n)))
-        to_move.push_back(static_cast<std::int32_t>(n));
-    std::fill(is_marked.begin(), is_marked.end(), std::uint8_t{0});
-    for_slabs(
-        slabs, to_move.size(), [&](std::size_t i) { return c.at(to_move[i]); },
-        [&](std::size_t i) {
-          const auto n = static_cast<std::size_t>(to_move[i]);
-          is_marked[n] = shift_node(c, to_move[i], shift[n], tries, least_quality);
-        });
+    shift_nodes(c, shift, least_way, least_quality, moving);
+  }
+}
+
+void even_out_volumes(Complex& c, const Materials& materials, double least_quality) {
+  constexpr int rounds = 2;  // in the first one, nodes at their limit do not take their share
+  const auto faces = surface_faces(c);
+  auto moving = rounds_over(c, faces);
+  Measures found;
+  for (int round = 0; round < rounds; ++round) {
+    measure(c, materials, faces, moving.is_marked, found);
+    shift_nodes(c, shifts_to_even_out(c, mean_offsets(c, faces, found), found), 0, least_quality, moving);
   }
 }
 

@@ -141,6 +141,8 @@ void finish(Attempt& made, const Task& task) {
   fitting.labels = task.aims.fitted;
   lattice::fit_faces(c, materials, task.repairing, fitting);
   task.watch->note("fit");
+  lattice::even_out_volumes(c, materials, task.repairing.least);
+  task.watch->note("even out");
   separate(made, task);
   made.is_finished = true;
 }

@@ -117,6 +117,25 @@ TEST(LatticeMesh, BalancingReachesWhatIsNarrow) {
   EXPECT_LE(distances.back(), 0.3);
 }
 
+// Nodes of the small ball cannot go out far enough; the large ball's make up for it.
+TEST(LatticeMesh, EveningOutGivesARegionTheVolumeThatItsNarrowPartsLack) {
+  const Vec3 small{-7.4, 0.3, -0.2}, large{2, 0, 0.1};
+  constexpr double small_radius = 1.1, large_radius = 5;
+  const auto both = [&](const Vec3& p) {
+    return std::max(small_radius - norm(p - small), large_radius - norm(p - large));
+  };
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, both}, 10, 1.2);
+  auto c = balanced(m);
+  const double exact = 4.0 / 3 * std::numbers::pi * (std::pow(small_radius, 3) + std::pow(large_radius, 3));
+  const double before = std::abs(volume_of(c, 1) / exact - 1);
+  EXPECT_GT(before, 0.0005) << "nothing to even out";
+  lattice::even_out_volumes(c, m, 0.49);
+  EXPECT_LT(std::abs(volume_of(c, 1) / exact - 1), 0.5 * before);
+  EXPECT_LT(std::abs(volume_of(c, 1) / exact - 1), 0.0007);
+  EXPECT_LT(farthest_node(c, m), 0.0801) << "nodes keep their limit";
+  expect_angles(c, 29, 145);
+}
+
 TEST(LatticeMesh, MaterialsThatMeetSharplyAreBluntedNotBroken) {
   // A wall that thins out to nothing between two pools, at 12 degrees: no good cell fits into its edge.
   const Fields fields{[](const Vec3& p) { return norm(p) - 11; }, [](const Vec3& p) { return p.x - 0.1 * p.z; },

@@ -80,10 +80,12 @@ FacesByHeight outer_faces_near(const Complex& c, const std::vector<SurfaceFace>&
   places.reserve(jobs.size());
   for (const auto& job : jobs) places.push_back(box_around(job.place.part.nodes_mm));
   const MarkedCubes cubes(places);
-  std::vector<Face> near;
-  for (const auto& face : faces)
-    if ((face.labels & bit_of(0)) != 0 && cubes.may_meet(box_of(c, face.nodes))) near.push_back(face.nodes);
-  return by_height(c, near);
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& near) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
+      if ((faces[f].labels & bit_of(0)) != 0 && cubes.may_meet(box_of(c, faces[f].nodes)))
+        near.push_back(faces[f].nodes);
+  };
+  return by_height(c, parallel::gather<Face>(0, static_cast<std::int64_t>(faces.size()), find));
 }
 
 // The faces that places around some misfits, and places around what was made of these, can have around them: of a large
@@ -210,12 +212,6 @@ void choose(Job& job, const Materials& materials) {
   job.outcomes.clear();
 }
 
-// How many ways to try at the same time of each of a few jobs, so that no thread waits for another one.
-int ways_at_once(std::size_t jobs) {
-  const auto threads = static_cast<std::size_t>(parallel::thread_count());
-  return jobs < 2 * threads ? static_cast<int>(threads / std::gcd(jobs, threads)) : 1;
-}
-
 // Calls work(job) for each, all at the same time.
 template <class Work>
 void for_each_job(const std::vector<Job*>& jobs, const Work& work) {
@@ -225,15 +221,29 @@ void for_each_job(const std::vector<Job*>& jobs, const Work& work) {
   parallel::run_tasks(tasks);
 }
 
-void try_ways(const std::vector<Job*>& jobs, const Trial& trial) {
+// Enough jobs for all threads: some tries of each, one after the other, so that threads seldom wait for each other.
+void try_in_turn(const std::vector<Job*>& jobs, const Trial& trial) {
+  constexpr int tries = 4;
+  for_each_job(jobs, [&](Job& job) {
+    for (int i = 0; i < tries && job.is_active(); ++i) {
+      job.outcomes.push_back(try_way(job, trial, job.way));
+      choose(job, *trial.materials);
+    }
+  });
+}
+
+// So few jobs that threads would have nothing to do: several ways of each at the same time.
+void try_at_once(const std::vector<Job*>& jobs, const Trial& trial) {
   std::vector<std::function<void()>> tasks;
-  const int at_once = ways_at_once(jobs.size());
+  const auto threads = static_cast<std::size_t>(parallel::thread_count());
+  const auto at_once = static_cast<int>(threads / std::gcd(jobs.size(), threads));
   for (auto* job : jobs) {
     job->outcomes.resize(static_cast<std::size_t>(std::min(at_once, job->left)));
     for (std::size_t i = 0; i < job->outcomes.size(); ++i)
       tasks.emplace_back([&trial, job, i] { job->outcomes[i] = try_way(*job, trial, job->way + static_cast<int>(i)); });
   }
   parallel::run_tasks(tasks);
+  for_each_job(jobs, [&](Job& job) { choose(job, *trial.materials); });
 }
 
 Face in_whole(const Place& place, Face face) {
@@ -251,8 +261,8 @@ void fit(std::vector<Job>& jobs, const Trial& trial, const std::vector<Face>& ho
   for (;;) {
     std::erase_if(active, [](const Job* job) { return !job->is_active(); });
     if (active.empty()) return;
-    try_ways(active, trial);
-    for_each_job(active, [&](Job& job) { choose(job, *trial.materials); });
+    const bool are_enough = active.size() >= 2 * static_cast<std::size_t>(parallel::thread_count());
+    are_enough ? try_in_turn(active, trial) : try_at_once(active, trial);
   }
 }
 

@@ -4,16 +4,24 @@
 
 namespace heart::lattice {
 
-std::size_t MarkedCubes::place(const Vec3& p, int axis) const {
-  const double share = (p[axis] - all_.low[axis]) / std::max(all_.high[axis] - all_.low[axis], 1e-9);
-  return static_cast<std::size_t>(std::clamp(share * side, 0.0, side - 1.0));
+MarkedCubes::Range MarkedCubes::range_of(const Box& box) const {
+  const auto place = [&](const Vec3& p, int axis) {
+    return static_cast<std::size_t>(std::clamp((p[axis] - all_.low[axis]) * per_mm_[axis], 0.0, side - 1.0));
+  };
+  Range range;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    range[a] = {place(box.low, axis), place(box.high, axis)};
+  }
+  return range;
 }
 
 template <class Visit>
 void MarkedCubes::for_cubes(const Box& box, const Visit& visit) const {
-  for (auto k = place(box.low, 2); k <= place(box.high, 2); ++k)
-    for (auto j = place(box.low, 1); j <= place(box.high, 1); ++j)
-      for (auto i = place(box.low, 0); i <= place(box.high, 0); ++i) visit((k * side + j) * side + i);
+  const auto [x, y, z] = range_of(box);
+  for (auto k = z[0]; k <= z[1]; ++k)
+    for (auto j = y[0]; j <= y[1]; ++j)
+      for (auto i = x[0]; i <= x[1]; ++i) visit((k * side + j) * side + i);
 }
 
 MarkedCubes::MarkedCubes(std::span<const Box> boxes) {
@@ -23,6 +31,7 @@ MarkedCubes::MarkedCubes(std::span<const Box> boxes) {
     all_.add(box.low);
     all_.add(box.high);
   }
+  for (int axis = 0; axis < 3; ++axis) per_mm_[axis] = side / std::max(all_.high[axis] - all_.low[axis], 1e-9);
   marked_.resize(side * side * side);
   for (const auto& box : boxes) for_cubes(box, [&](std::size_t cube) { marked_[cube] = 1; });
 }

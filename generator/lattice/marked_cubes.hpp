@@ -1,5 +1,6 @@
 // Which parts of space some boxes may lie in.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,11 +18,13 @@ class MarkedCubes {
 
  private:
   static constexpr std::size_t side = 64;
-  std::size_t place(const Vec3& p, int axis) const;
+  using Range = std::array<std::array<std::size_t, 2>, 3>;  // first and last cube along each axis
+  Range range_of(const Box& box) const;
   template <class Visit>
   void for_cubes(const Box& box, const Visit& visit) const;
 
   Box all_;
+  Vec3 per_mm_;  // cubes
   std::vector<std::uint8_t> marked_;
 };
 

@@ -42,6 +42,8 @@ struct LabelledCells {
   std::vector<Vec3> nodes_mm;       ///< ascending z, then y, then x
   std::vector<Cell> cells;          ///< positively oriented, smallest node first, ascending
   std::vector<std::int32_t> label;  ///< per cell, as `label_at` gives it inside
+  /// Per node: 0 where no face at it lies between two labels or has one cell only. Empty where that is not known.
+  std::vector<std::uint8_t> is_on_surface{};
 };
 
 LabelledCells mesh_implicit(const ImplicitDomain& domain, const DelaunaySettings& settings);

@@ -8,6 +8,7 @@
 #include "generator/lattice/delicate.hpp"
 #include "generator/lattice/draw.hpp"
 #include "generator/lattice/ease.hpp"
+#include "generator/lattice/feature.hpp"
 #include "generator/lattice/fit.hpp"
 #include "generator/lattice/lay.hpp"
 #include "generator/lattice/refine.hpp"
@@ -211,6 +212,7 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
   for (const auto& p : complex.nodes_mm) result.nodes_mm.push_back(lps_from_index(grid, index_of(grid, p)));
   result.cells = complex.cells;
   result.label.assign(complex.label.begin(), complex.label.end());
+  for (const auto bits : complex.touches) result.is_on_surface.push_back(lattice::is_constrained(bits) ? 1 : 0);
   return result;
 }
 

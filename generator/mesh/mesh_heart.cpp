@@ -203,8 +203,7 @@ TetMesh mesh_domain(const MeshDomain& domain, const MeshSettings& settings, Latt
                                                 : lattice_cells(domain, sizes, manifold_sets(), crumb_cells, report);
   sort_cells(cells.nodes_mm, cells.cells, cells.label);
   auto mesh = assemble(
-      cells.nodes_mm, cells.cells, cells.label, [](std::int32_t label) { return label > 0 && label < beyond_border; },
-      surface_of);
+      cells, [](std::int32_t label) { return label > 0 && label < beyond_border; }, surface_of);
   label_border_faces(mesh, domain.grid);
   add_orifice_rims(mesh);
   return mesh;

@@ -206,7 +206,7 @@ TetMesh mesh_vessel(const Mask& lumen, Region vessel, const MeshSettings& settin
   auto cells = settings.backend == "cgal" ? delaunay_vessel(domain) : lattice_vessel(domain);
   sort_cells(cells.nodes_mm, cells.cells, cells.label);
   auto mesh = assemble(
-      cells.nodes_mm, cells.cells, cells.label, [](std::int32_t label) { return label == lumen_label; },
+      cells, [](std::int32_t label) { return label == lumen_label; },
       [&](std::int32_t, std::int32_t other) {
         return other == 0 ? surface_between(vessel, Region::none) : end_surface_tag(vessel, other - lumen_label);
       });

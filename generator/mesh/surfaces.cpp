@@ -48,12 +48,24 @@ struct Buckets {
   std::vector<HalfFace> halves;
 };
 
-Buckets buckets_of(const std::vector<Cell>& cells, std::int64_t first, std::int64_t last) {
+/// Which faces are looked at: those all of whose nodes are marked. No marks: all.
+struct Wanted {
+  const std::vector<std::uint8_t>* is_marked;
+  bool operator()(std::int32_t node) const {
+    return is_marked->empty() || (*is_marked)[static_cast<std::size_t>(node)] != 0;
+  }
+  bool operator()(const Face& face) const { return (*this)(face[0]) && (*this)(face[1]) && (*this)(face[2]); }
+  bool has_face_of(const Cell& cell) const {
+    return std::count_if(cell.begin(), cell.end(), [&](std::int32_t n) { return (*this)(n); }) > 2;
+  }
+};
+
+Buckets buckets_of(const std::vector<Cell>& cells, const Wanted& wanted, std::int64_t first, std::int64_t last) {
   const auto each = [&](auto&& visit) {
     for (std::size_t c = 0; c < cells.size(); ++c)
-      for (std::int32_t corner = 0; corner < 4; ++corner) {
+      for (std::int32_t corner = 0; corner < 4 && wanted.has_face_of(cells[c]); ++corner) {
         const Face key = ascending(outward(cells[c], corner));
-        if (key[0] >= first && key[0] < last)
+        if (key[0] >= first && key[0] < last && wanted(key))
           visit(static_cast<std::size_t>(key[0] - first), key, static_cast<std::int64_t>(4 * c) + corner);
       }
   };
@@ -70,9 +82,9 @@ Buckets buckets_of(const std::vector<Cell>& cells, std::int64_t first, std::int6
 
 // Of the faces with smallest nodes from `first` on, ascending.
 template <class Keep>
-void add_faces(const std::vector<Cell>& cells, std::int64_t first, std::int64_t last, const Keep& keep,
-               std::vector<CellFace>& faces) {
-  auto [_, end, halves] = buckets_of(cells, first, last);
+void add_faces(const std::vector<Cell>& cells, const Wanted& wanted, std::int64_t first, std::int64_t last,
+               const Keep& keep, std::vector<CellFace>& faces) {
+  auto [_, end, halves] = buckets_of(cells, wanted, first, last);
   std::size_t begin = 0;
   for (std::size_t bucket = 0; bucket + 1 < end.size(); begin = end[bucket++]) {
     std::sort(halves.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -90,10 +102,10 @@ void add_faces(const std::vector<Cell>& cells, std::int64_t first, std::int64_t 
 
 // Each thread reads all cells, and sorts the faces of its own nodes.
 template <class Keep>
-std::vector<CellFace> faces_where(const std::vector<Cell>& cells, const Keep& keep) {
+std::vector<CellFace> faces_where(const std::vector<Cell>& cells, const Wanted& wanted, const Keep& keep) {
   return parallel::gather<CellFace>(0, count_nodes(cells),
                                     [&](std::int64_t first, std::int64_t last, std::vector<CellFace>& faces) {
-                                      add_faces(cells, first, last, keep, faces);
+                                      add_faces(cells, wanted, first, last, keep, faces);
                                     });
 }
 
@@ -115,12 +127,14 @@ std::vector<std::int32_t> number_used_nodes(const std::vector<Vec3>& nodes_mm, T
 }  // namespace
 
 std::vector<CellFace> cell_faces(const std::vector<Cell>& cells) {
-  return faces_where(cells, [](const CellFace&) { return true; });
+  const std::vector<std::uint8_t> all;
+  return faces_where(cells, {&all}, [](const CellFace&) { return true; });
 }
 
-TetMesh assemble(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
-                 const std::vector<std::int32_t>& label, const std::function<bool(std::int32_t)>& keep,
+TetMesh assemble(const adapters::LabelledCells& labelled, const std::function<bool(std::int32_t)>& keep,
                  const std::function<std::int32_t(std::int32_t, std::int32_t)>& surface_of) {
+  const auto& cells = labelled.cells;
+  const auto& label = labelled.label;
   TetMesh mesh;
   const auto labels_at = [&](const CellFace& face) {
     return std::pair{label[static_cast<std::size_t>(face.cell)],
@@ -130,7 +144,7 @@ TetMesh assemble(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cel
     const auto [a, b] = labels_at(face);
     return a != b && (keep(a) || (b != 0 && keep(b)));
   };
-  for (const auto& face : faces_where(cells, is_kept)) {
+  for (const auto& face : faces_where(cells, {&labelled.is_on_surface}, is_kept)) {
     auto [a, b] = labels_at(face);
     Face nodes = face.nodes;
     const bool b_is_first = b != 0 && keep(b) && (!keep(a) || b < a);
@@ -146,7 +160,7 @@ TetMesh assemble(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cel
     mesh.cells.push_back(cells[c]);
     mesh.region.push_back(label[c]);
   }
-  const auto id = number_used_nodes(nodes_mm, mesh);
+  const auto id = number_used_nodes(labelled.nodes_mm, mesh);
   for (auto& face : mesh.faces)
     for (auto& n : face) n = id[static_cast<std::size_t>(n)];
   return mesh;

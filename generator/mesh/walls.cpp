@@ -268,7 +268,7 @@ TetMesh mesh_walls(const WallLevelSets& walls, const MeshSettings& settings, Lat
               walls.domain.grid);
   sort_cells(cells.nodes_mm, cells.cells, cells.label);
   auto mesh = assemble(
-      cells.nodes_mm, cells.cells, cells.label, [](std::int32_t label) { return label > 0; },
+      cells, [](std::int32_t label) { return label > 0; },
       [](std::int32_t label, std::int32_t other) {
         return other == 0 ? -label : surface_between(static_cast<Region>(label), static_cast<Region>(other));
       });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "generator/mesh/connected_cells.hpp"
@@ -276,10 +277,12 @@ std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<
   // Since crumbs and each set were last looked at; at first, where anything can be wrong.
   Changes for_crumbs = t.is_mixed;
   std::vector<Changes> changes(manifold_sets.size(), t.is_mixed);
+  const auto add = [](const Changes& made, Changes& to) {
+    std::transform(made.begin(), made.end(), to.begin(), to.begin(), std::bit_or<std::uint8_t>());
+  };
   const auto spread = [&](const Changes& made) {
-    for (std::size_t n = 0; n < nodes; ++n) for_crumbs[n] |= made[n];
-    for (auto& of_set : changes)
-      for (std::size_t n = 0; n < nodes; ++n) of_set[n] |= made[n];
+    add(made, for_crumbs);
+    for (auto& of_set : changes) add(made, of_set);
   };
   for (int round = 0; round < most_rounds; ++round) {
     // The two steps can undo each other's work for ever; a manifold boundary matters more than a crumb.

@@ -14,6 +14,12 @@ namespace {
 
 thread_local bool inside_loop = false;
 
+void pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
+
 struct Loop {
   std::int64_t begin = 0, end = 0;
   int pieces = 1;
@@ -31,6 +37,13 @@ struct Loop {
     inside_loop = false;
   }
 };
+
+/// Waits a moment for what is about to happen: many loops are as short as it takes to wake a thread.
+template <class Condition>
+void wait_briefly(const Condition& is_over) {
+  constexpr int looks = 2000;
+  for (int i = 0; i < looks && !is_over(); ++i) pause();
+}
 
 /// Workers 1 .. count-1; the caller of run() does piece 0 itself.
 struct Pool {
@@ -59,6 +72,7 @@ struct Pool {
     }
     wake.notify_all();
     next.run_piece(0);
+    wait_briefly([this] { return waiting_for == 0; });
     std::unique_lock lock(mutex);
     finished.wait(lock, [this] { return waiting_for == 0; });
     loop = nullptr;
@@ -67,8 +81,9 @@ struct Pool {
  private:
   void work(int worker) {
     std::uint64_t seen = 0;
-    std::unique_lock lock(mutex);
     for (;;) {
+      wait_briefly([&] { return turn != seen; });
+      std::unique_lock lock(mutex);
       wake.wait(lock, [&] { return closing || (turn != seen && loop); });
       if (closing) return;
       seen = turn;
@@ -85,8 +100,8 @@ struct Pool {
   std::mutex mutex;
   std::condition_variable wake, finished;
   Loop* loop = nullptr;
-  std::uint64_t turn = 0;
-  int waiting_for = 0;
+  std::atomic<std::uint64_t> turn = 0;  ///< changed under the lock; looked at without it
+  std::atomic<int> waiting_for = 0;     ///< the same
   bool closing = false;
 };
 

@@ -11,7 +11,8 @@
 namespace heart::mesh {
 namespace {
 
-constexpr float band_mm = 6;  // nobody asks for greater distances
+// Greater distances nobody asks for: nodes are looked for within an edge or two, rolling balls within their radius.
+float band_of(double thinnest_mm) { return static_cast<float>(3 * std::max(1.0, thinnest_mm)); }
 
 // The grid of the domain with each voxel divided into parts of about `voxel_mm`.
 Grid finer_grid(const Grid& grid, double voxel_mm) {
@@ -28,7 +29,7 @@ Grid finer_grid(const Grid& grid, double voxel_mm) {
 }
 
 /// Distances to the surfaces of the heart and of the blood of either side, each smooth by itself.
-std::array<LevelSet, 3> heart_surfaces(const MeshDomain& domain, double voxel_mm) {
+std::array<LevelSet, 3> heart_surfaces(const MeshDomain& domain, double voxel_mm, float band_mm) {
   const Grid grid = finer_grid(domain.grid, voxel_mm);
   std::array<LevelSet, 3> surfaces{LevelSet(grid), LevelSet(grid), LevelSet(grid)};
   const Vec3 origin = index_from_lps(domain.grid, grid.origin_mm);
@@ -53,7 +54,7 @@ std::array<LevelSet, 3> heart_surfaces(const MeshDomain& domain, double voxel_mm
 /// Takes away what a ball cannot reach from inside (`side` 1: opening) or fills what it cannot reach from outside (-1:
 /// closing). Distances from voxel centres, with half a voxel to spare, only tell where the ball cannot go: elsewhere
 /// surfaces stay.
-void roll(LevelSet& distance, float radius_mm, float side) {
+void roll(LevelSet& distance, float radius_mm, float side, float band_mm) {
   const auto& spacing = distance.grid.spacing_mm;
   const auto half_voxel = static_cast<float>(0.5 * std::cbrt(spacing.x * spacing.y * spacing.z));
   Mask core(distance.grid);
@@ -70,13 +71,13 @@ void roll(LevelSet& distance, float radius_mm, float side) {
 
 LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, double thinnest_mm) {
   constexpr double blur_mm = 0.4;
-  const auto radius = static_cast<float>(thinnest_mm / 2);
-  const auto surfaces = heart_surfaces(domain, voxel_mm);
+  const auto radius = static_cast<float>(thinnest_mm / 2), band = band_of(thinnest_mm);
+  const auto surfaces = heart_surfaces(domain, voxel_mm, band);
   LevelSet level_set(surfaces[0].grid);
   for (std::size_t v = 0; v < level_set.voxels.size(); ++v)
     level_set.voxels[v] = std::max({surfaces[0].voxels[v], surfaces[1].voxels[v], surfaces[2].voxels[v]});
-  roll(level_set, radius, -1);
-  roll(level_set, radius, 1);
+  roll(level_set, radius, -1, band);
+  roll(level_set, radius, 1, band);
   const auto& spacing = level_set.grid.spacing_mm;
   smooth(level_set, gaussian_kernels({blur_mm / spacing.x, blur_mm / spacing.y, blur_mm / spacing.z}));
   return level_set;

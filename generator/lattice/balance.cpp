@@ -142,15 +142,18 @@ MeanOffsets mean_offsets(const Complex& c, const std::vector<SurfaceFace>& faces
 std::vector<Vec3> shifts_to_even_out(const Complex& c, const MeanOffsets& offsets, const Measures& found) {
   constexpr double least_way = 5e-4;  // of the lattice's width
   std::vector<Vec3> shift(c.nodes_mm.size());
-  for (const auto& [labels, offset] : offsets)
-    for (std::size_t n = 0; n < shift.size(); ++n) {
+  parallel::parallel_for(0, static_cast<std::int64_t>(shift.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      if (!is_on_surface(c.touches[n])) continue;
+      const auto offset = offsets.find(c.touches[n] & ~side_bits);
       const double spacing = static_cast<double>(c.spacing_mm[n]), limit = most_shift * spacing;
-      if ((c.touches[n] & ~side_bits) != labels || std::abs(offset.mm()) < least_way * spacing) continue;
+      if (offset == offsets.end() || std::abs(offset->second.mm()) < least_way * spacing) continue;
       const double own = found.node[n].distance;
       // A node beyond its limit stays where it is.
-      const double wanted = std::clamp(own - offset.mm(), std::min(own, -limit), std::max(own, limit));
+      const double wanted = std::clamp(own - offset->second.mm(), std::min(own, -limit), std::max(own, limit));
       shift[n] = along_normal(c.touches[n], found.node[n].normal, wanted - own);
     }
+  });
   return shift;
 }
 

@@ -38,6 +38,12 @@ bool has_labelled_corner(const Octree& tree, const Leaf& leaf, const NearLeaves&
   return false;
 }
 
+bool has_unlabelled_corner(const Octree& tree, const Leaf& leaf, const NearLeaves& near) {
+  for (std::int32_t corner = 0; corner < 8; ++corner)
+    if (near.corner_label[tree.corner_offset(corner_of(leaf, corner))] == 0) return true;
+  return false;
+}
+
 // The lattice has a node in the middle of a leaf's face in a side of the box.
 bool has_labelled_side(const Octree& tree, const Leaf& leaf, const std::function<int(const Vec3&)>& label_at) {
   const std::int32_t width = 1 << leaf.level;
@@ -107,9 +113,14 @@ NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>
   NearLeaves near;
   label_corners(tree, label_at, near);
   label_leaves(tree, label_at, near);
-  std::vector<Leaf> labelled;
-  for (const auto& leaf : tree.leaves)
-    if (near.is_near[tree.offset(leaf.low)] != 0) labelled.push_back(leaf);
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Leaf>& found) {
+    for (auto l = begin; l < end; ++l) {
+      const Leaf& leaf = tree.leaves[static_cast<std::size_t>(l)];
+      if (near.is_near[tree.offset(leaf.low)] != 0 && has_unlabelled_corner(tree, leaf, near)) found.push_back(leaf);
+    }
+  };
+  // Around the others all leaves have a labelled corner.
+  const auto labelled = parallel::gather<Leaf>(0, static_cast<std::int64_t>(tree.leaves.size()), find);
   const auto beside = add_leaves_around(tree, labelled, Sharing::face, near);
   add_leaves_around(tree, beside, Sharing::face, near);
   add_leaves_around(tree, labelled, Sharing::corner, near);

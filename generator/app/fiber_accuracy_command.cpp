@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "generator/app/fiber_cases.hpp"
+#include "generator/app/node_walls.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/fibers/frame.hpp"
 #include "generator/fibers/hearts.hpp"
@@ -120,14 +121,8 @@ KnownAxes known_at_cells(const FiberCase& patient, HelixField field, const TetMe
   return known;
 }
 
-/// A node of both walls counts as the right ventricle's.
-KnownAxes known_at_nodes(const FiberCase& patient, HelixField field, const TetMesh& mesh) {
-  std::vector<std::int32_t> region(mesh.nodes_mm.size());
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    for (const auto node : mesh.cells[c]) {
-      auto& r = region[static_cast<std::size_t>(node)];
-      if (r != tag(Region::rv_myocardium)) r = mesh.region[c];
-    }
+KnownAxes known_at_nodes(const FiberCase& patient, HelixField field, const TetMesh& mesh,
+                         const std::vector<std::int32_t>& region) {
   KnownAxes known;
   for (std::size_t n = 0; n < region.size(); ++n) add_known(patient, field, mesh.nodes_mm[n], region[n], n, known);
   return known;
@@ -180,7 +175,7 @@ Json row_of(const RowName& name, const Errors& lv, const Errors& rv, double seco
 void print_row(const Json& r) {
   const auto value = [&](const char* key) { return r[key].get<double>(); };
   const auto text = [&](const char* key) { return r[key].get<std::string>(); };
-  fmt::print("{:8} {:8} {:8} {:12} {:6} {:6.2f} {:6.1f} {:6.0f}   {:6.2f} {:6.1f} {:6.0f}   {:6.1f}\n", text("case"),
+  fmt::print("{:8} {:8} {:8} {:12} {:9} {:6.2f} {:6.1f} {:6.0f}   {:6.2f} {:6.1f} {:6.0f}   {:6.1f}\n", text("case"),
              text("field"), text("atlas_frame"), text("method"), text("at"), value("lv_mean_deg"), value("lv_p95_deg"),
              100 * value("lv_cover"), value("rv_mean_deg"), value("rv_p95_deg"), 100 * value("rv_cover"),
              value("seconds"));
@@ -254,8 +249,12 @@ void add_rows(const FiberCase& patient, HelixField field, const fibers::Hearts& 
   std::vector<Vec3> axes;
   axes.reserve(mesh.nodes_mm.size());
   for (const auto& tensor : at_nodes.axes) axes.push_back(atlas::leading_axis(tensor));
-  const auto known_nodes = known_at_nodes(patient, field, mesh);
-  row("nodes", known_nodes, at_sources(known_nodes, axes), at_nodes.seconds);
+  const auto node_row = [&](const char* at, const std::vector<std::int32_t>& region) {
+    const auto known_nodes = known_at_nodes(patient, field, mesh, region);
+    row(at, known_nodes, at_sources(known_nodes, axes), at_nodes.seconds);
+  };
+  node_row("nodes", regions_of_nodes(mesh));
+  node_row("own nodes", regions_of_own_nodes(mesh));
   const auto is_covered = [&](std::int32_t n) { return trace(at_nodes.axes[static_cast<std::size_t>(n)]) > 0; };
   for (std::size_t n = 0; n < axes.size(); ++n)
     if (!is_covered(static_cast<std::int32_t>(n))) axes[n] = {1, 0, 0};
@@ -303,7 +302,7 @@ int fiber_accuracy_command(const FiberAccuracyCommand& command) {
   const double finest_mm = std::min({spacing_mm.x, spacing_mm.y, spacing_mm.z});
   settings.depth_grid_mm = command.depth_grid_mm > 0 ? command.depth_grid_mm : finest_mm;
   settings.grid_mm = std::max(settings.grid_mm, settings.depth_grid_mm);
-  if (!command.json) fmt::print("{:46} LV mean    p95  cover  RV mean    p95  cover  seconds\n", "axis error, degrees");
+  if (!command.json) fmt::print("{:49} LV mean    p95  cover  RV mean    p95  cover  seconds\n", "axis error, degrees");
   Json rows = Json::array();
   const auto add = [&](const Json& row) {
     rows.push_back(row);

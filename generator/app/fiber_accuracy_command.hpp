@@ -27,8 +27,10 @@ struct FiberAccuracyCommand {
 };
 
 /// One line per field, frame, phantom and method: mean and 95th percentile of the angle between carried and known axes
-/// over all voxels (nodes, cells) of each wall where the phantom has fibres, share covered, seconds. Throws UserError
-/// for unknown names and for a mirrored atlas. Not collective.
+/// over all voxels (nodes, cells) of each wall where the phantom has fibres, share covered, seconds. A node of both
+/// walls counts as the right one's; at the surface between them the phantom has the fibres of one or the other by
+/// rounding, so "own nodes" are those in cells of no other region. Throws UserError for unknown names and for a
+/// mirrored atlas. Not collective.
 int fiber_accuracy_command(const FiberAccuracyCommand& command);
 
 }  // namespace heart::app

@@ -166,14 +166,15 @@ struct Rounds {
 
 void shift_nodes(Complex& c, const std::vector<Vec3>& shift, double least_way, double least_quality, Rounds& rounds) {
   constexpr int tries = 3;
-  auto& [slabs, to_move, is_marked] = rounds;
+  auto& to_move = rounds.to_move;
+  auto& is_marked = rounds.is_marked;
   to_move.clear();
   for (std::size_t n = 0; n < shift.size(); ++n)
     if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) && !c.is_frozen(static_cast<std::int32_t>(n)))
       to_move.push_back(static_cast<std::int32_t>(n));
   std::fill(is_marked.begin(), is_marked.end(), std::uint8_t{0});
   for_slabs(
-      slabs, to_move.size(), [&](std::size_t i) { return c.at(to_move[i]); },
+      rounds.slabs, to_move.size(), [&](std::size_t i) { return c.at(to_move[i]); },
       [&](std::size_t i) {
         const auto n = static_cast<std::size_t>(to_move[i]);
         is_marked[n] = shift_node(c, to_move[i], shift[n], tries, least_quality);

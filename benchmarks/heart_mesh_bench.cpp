@@ -61,10 +61,11 @@ std::vector<Run> runs_of(int repeats, const std::function<void()>& work) {
 /// The median's; returns it.
 double add_time(Table& table, const char* bench, const std::vector<Run>& runs, double cells) {
   const auto& [time, used] = runs[runs.size() / 2];
-  table.push_back(
-      {bench, "from level sets to labelled mesh", time, "s",
-       fmt::format("{:.1f} s of processor time; at most 2 for 1.25 M cells: {:.2f}; {} runs took {:.2f} to {:.2f} s",
-                   used, time * wall_cells / cells, runs.size(), runs.front().seconds, runs.back().seconds)});
+  auto note =
+      fmt::format("{:.1f} s of processor time; at most 2 for 1.25 M cells: {:.2f}", used, time * wall_cells / cells);
+  if (runs.size() > 1)
+    note += fmt::format("; {} runs took {:.2f} to {:.2f} s", runs.size(), runs.front().seconds, runs.back().seconds);
+  table.push_back({bench, "from level sets to labelled mesh", time, "s", note});
   return time;
 }
 

@@ -12,13 +12,15 @@ namespace {
 
 /// A face of a leaf: its corners in cyclic order, in units of finest cells.
 struct Square {
-  std::array<Place, 4> corners;
-  Place across;  // the finest cell beyond the first corner
+  std::array<TreeIndex, 4> corners;
+  TreeIndex across;  // the finest cell beyond the first corner
   std::size_t axis;
   bool upper;
 };
 
-Place between(const Place& a, const Place& b) { return {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2}; }
+TreeIndex between(const TreeIndex& a, const TreeIndex& b) {
+  return {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2};
+}
 
 Square square_of(const Leaf& leaf, std::size_t axis, bool upper) {
   const std::int32_t width = 1 << leaf.level;
@@ -47,7 +49,7 @@ struct Builder {
   std::vector<std::int32_t> center_node;  // per leaf, at the offset of its first finest cell
   std::vector<std::int64_t> slot;         // per node: offset in corner_node, -1 - offset in center_node, or `no_slot`
 
-  bool is_near(const Place& finest_cell) const { return near == nullptr || near->contains(*tree, finest_cell); }
+  bool is_near(const TreeIndex& finest_cell) const { return near == nullptr || near->contains(*tree, finest_cell); }
 
   std::int32_t add_node(const std::array<double, 3>& at, double width, std::int64_t in_slot) {
     LabelBits sides = 0;
@@ -66,7 +68,7 @@ struct Builder {
     result.label.push_back(label);
     result.lacks_cells.push_back(lacks_cells ? 1 : 0);
   }
-  std::int32_t corner(const Place& at, std::int32_t width) {
+  std::int32_t corner(const TreeIndex& at, std::int32_t width) {
     auto& node = corner_node[tree->corner_offset(at)];
     if (node < 0) {
       node = add_node({static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])}, width,
@@ -77,14 +79,14 @@ struct Builder {
     spacing = std::min(spacing, static_cast<float>(width * tree->step_mm.x));
     return node;
   }
-  bool touches_far_leaf(const Place& corner) const {
+  bool touches_far_leaf(const TreeIndex& corner) const {
     for (std::int32_t cell = 0; cell < 8; ++cell) {
-      const Place beside{corner[0] - (cell & 1), corner[1] - ((cell >> 1) & 1), corner[2] - (cell >> 2)};
+      const TreeIndex beside{corner[0] - (cell & 1), corner[1] - ((cell >> 1) & 1), corner[2] - (cell >> 2)};
       if (tree->contains(beside) && !is_near(beside)) return true;
     }
     return false;
   }
-  std::int32_t center(const Place& low, std::int32_t width) {
+  std::int32_t center(const TreeIndex& low, std::int32_t width) {
     auto& node = center_node[tree->offset(low)];
     if (node >= 0) return node;
     node = add_node({low[0] + 0.5 * width, low[1] + 0.5 * width, low[2] + 0.5 * width}, width,
@@ -93,10 +95,10 @@ struct Builder {
     return node;
   }
   // Only with leaves of the same size does a centre share cells.
-  bool is_beside_far_leaf(const Place& low, std::int32_t width) const {
+  bool is_beside_far_leaf(const TreeIndex& low, std::int32_t width) const {
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (const std::int32_t step : {-1, width}) {
-        Place beside = low;
+        TreeIndex beside = low;
         beside[axis] += step;
         if (!tree->contains(beside) || is_near(beside)) continue;
         if (1 << tree->level[tree->offset(beside)] == width) return true;
@@ -120,10 +122,10 @@ struct Builder {
 // Cells on the two nodes `first` and `second` and the edges of a square; an edge that a finer leaf divides gives two.
 void add_around_square(Builder& b, const Square& square, std::int32_t first, std::int32_t second, std::int32_t width) {
   for (std::size_t i = 0; i < 4; ++i) {
-    const Place& from = square.corners[i];
-    const Place& to = square.corners[(i + 1) % 4];
+    const TreeIndex& from = square.corners[i];
+    const TreeIndex& to = square.corners[(i + 1) % 4];
     const auto start = b.corner(from, width), end = b.corner(to, width);
-    const Place middle = between(from, to);
+    const TreeIndex middle = between(from, to);
     if (width > 1 && is_leaf_corner(*b.tree, middle)) {
       const auto half = b.corner(middle, width / 2);
       b.add_cell(first, second, start, half);
@@ -159,7 +161,7 @@ void add_leaf(Builder& b, const Leaf& leaf) {
       const bool beyond = square.across[axis] < 0 || square.across[axis] >= b.tree->size[axis];
       const int other = beyond ? -1 : b.tree->level[b.tree->offset(square.across)];
       if (other == leaf.level) {
-        Place low = leaf.low;
+        TreeIndex low = leaf.low;
         low[axis] += width;
         if (upper && b.is_near(low)) add_around_square(b, square, own, b.center(low, width), width);
       } else if (other > leaf.level) {

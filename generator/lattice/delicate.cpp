@@ -19,12 +19,12 @@ bool is_center_delicate(const Lattice& lattice, const Leaf& leaf) {
 }
 
 // What lies beyond a side of the box counts as alike.
-bool is_corner_delicate(const Lattice& lattice, const Place& at) {
+bool is_corner_delicate(const Lattice& lattice, const TreeIndex& at) {
   const auto& [tree, near] = lattice;
   const auto label = near.corner_label[tree.corner_offset(at)];
   int alike = 0;
   for (std::int32_t cell = 0; cell < 8; ++cell) {
-    const Place beside{at[0] - (cell & 1), at[1] - ((cell >> 1) & 1), at[2] - (cell >> 2)};
+    const TreeIndex beside{at[0] - (cell & 1), at[1] - ((cell >> 1) & 1), at[2] - (cell >> 2)};
     alike += !tree.contains(beside) || near.center_label[tree.offset(tree.leaf_over(beside).low)] == label;
   }
   return alike < fewest_alike;
@@ -68,7 +68,7 @@ LatticePart delicate_part(const Lattice& lattice) {
 
 bool is_in_core(const LatticePart& part, const Vec3& position_mm) {
   const auto& tree = part.lattice.tree;
-  const Place at = tree.finest_cell_at(position_mm);
+  const TreeIndex at = tree.finest_cell_at(position_mm);
   return tree.contains(at) && part.is_core[tree.offset(tree.leaf_over(at).low)] != 0;
 }
 

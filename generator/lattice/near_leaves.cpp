@@ -12,12 +12,12 @@ namespace {
 // Every corner of a leaf is the first of the leaf over it, or no leaf's first.
 void label_corners(const Octree& tree, const std::function<int(const Vec3&)>& label_at, NearLeaves& near) {
   near.corner_label.resize(tree.corner_offset({0, 0, tree.size[2] + 1}));
-  const auto is_first = [&](const Place& at) { return tree.contains(at) && tree.leaf_over(at).low == at; };
+  const auto is_first = [&](const TreeIndex& at) { return tree.contains(at) && tree.leaf_over(at).low == at; };
   parallel::parallel_for(0, static_cast<std::int64_t>(tree.leaves.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto l = static_cast<std::size_t>(begin); l < static_cast<std::size_t>(end); ++l) {
       const Leaf& leaf = tree.leaves[l];
       for (std::int32_t corner = 0; corner < 8; ++corner) {
-        const Place at = corner_of(leaf, corner);
+        const TreeIndex at = corner_of(leaf, corner);
         if (corner != 0 && is_first(at)) continue;
         const Vec3 position =
             tree.position_mm({static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])});
@@ -84,7 +84,7 @@ void collect_around(const Octree& tree, const Leaf& leaf, Sharing sharing, const
       for (std::size_t i = 0; i < different; ++i) {
         const int outside = static_cast<int>(i < 2) + static_cast<int>(j < 2) + static_cast<int>(k < 2);
         if (outside == 0 || (sharing == Sharing::face && outside > 1)) continue;
-        const Place beside{leaf.low[0] + steps[i], leaf.low[1] + steps[j], leaf.low[2] + steps[k]};
+        const TreeIndex beside{leaf.low[0] + steps[i], leaf.low[1] + steps[j], leaf.low[2] + steps[k]};
         if (!tree.contains(beside)) continue;
         const Leaf other = tree.leaf_over(beside);
         if (near.is_near[tree.offset(other.low)] == 0) found.push_back(other);

@@ -13,7 +13,7 @@ struct NearLeaves {
   std::vector<std::uint8_t> corner_label;  ///< at Octree::corner_offset; 0 where no leaf has a corner
   std::vector<std::uint8_t> center_label;  ///< at Octree::offset of a leaf's first finest cell
   std::vector<std::uint8_t> is_near;       ///< same place: whether its cells are wanted
-  bool contains(const Octree& tree, const Place& finest_cell) const {
+  bool contains(const Octree& tree, const TreeIndex& finest_cell) const {
     return is_near[tree.offset(tree.leaf_over(finest_cell).low)] != 0;
   }
 };

@@ -14,7 +14,7 @@ constexpr std::int32_t fewest_roots = 12;  // along the shortest axis: rounding 
 
 /// The finest level that is needed inside each cell of one level; its cells are 2^level finest cells wide.
 struct Level {
-  Place size;
+  TreeIndex size;
   std::vector<std::uint8_t> finest;
   std::uint8_t& at(std::int32_t i, std::int32_t j, std::int32_t k) {
     return finest[(static_cast<std::size_t>(k) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(j)) *
@@ -40,7 +40,7 @@ int level_of(double edge_mm, double cell_mm, int root) {
 
 /// The box in cells of one size, and what is asked of it.
 struct Request {
-  Place size;      // of the box in cells
+  TreeIndex size;  // of the box in cells
   Vec3 step_mm;    // of the cells
   double cell_mm;  // the same, before rounding
   int root;        // level of the root cells above these
@@ -104,7 +104,7 @@ Request halved(const Request& r, int times) {
 // Only the finest cells in a spot are looked at: of all of the box there may be many more. Those of level 0 need no
 // entry: they are never divided.
 void lower_in_spot(std::vector<Level>& levels, const Request& r, const FineSpot& spot) {
-  Place low, high;
+  TreeIndex low, high;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     const double center = (spot.center_mm[axis] - r.origin_mm[axis]) / r.step_mm[axis],
@@ -134,7 +134,7 @@ std::vector<Level> make_levels(const Request& coarsest, const Request& finest, c
   for (auto& level : levels)
     for (auto& value : level.finest) value = static_cast<std::uint8_t>(value + extra);
   for (int number = extra - 1; number >= 0; --number) {
-    const Place size{finest.size[0] >> number, finest.size[1] >> number, finest.size[2] >> number};
+    const TreeIndex size{finest.size[0] >> number, finest.size[1] >> number, finest.size[2] >> number};
     const auto cells =
         static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
     levels.insert(levels.begin(), {size, std::vector<std::uint8_t>(number > 0 ? cells : 0, extra)});
@@ -161,7 +161,7 @@ void divide_parents(Level& level, Level& parents, int number) {
       }
 }
 
-void add_leaves(Octree& tree, std::vector<Level>& levels, const Place& cell, int number) {
+void add_leaves(Octree& tree, std::vector<Level>& levels, const TreeIndex& cell, int number) {
   if (number > 0 && levels[static_cast<std::size_t>(number)].at(cell[0], cell[1], cell[2]) < number) {
     for (std::int32_t child = 0; child < 8; ++child)
       add_leaves(tree, levels,
@@ -169,7 +169,7 @@ void add_leaves(Octree& tree, std::vector<Level>& levels, const Place& cell, int
     return;
   }
   const std::int32_t width = 1 << number;
-  const Place low{cell[0] * width, cell[1] * width, cell[2] * width};
+  const TreeIndex low{cell[0] * width, cell[1] * width, cell[2] * width};
   tree.leaves.push_back({low, number});
   for (std::int32_t k = 0; k < width; ++k)
     for (std::int32_t j = 0; j < width; ++j)
@@ -179,9 +179,9 @@ void add_leaves(Octree& tree, std::vector<Level>& levels, const Place& cell, int
 
 }  // namespace
 
-bool is_leaf_corner(const Octree& tree, const Place& at) {
+bool is_leaf_corner(const Octree& tree, const TreeIndex& at) {
   for (std::int32_t cell = 0; cell < 8; ++cell) {
-    const Place beside{at[0] - (cell & 1), at[1] - ((cell >> 1) & 1), at[2] - (cell >> 2)};
+    const TreeIndex beside{at[0] - (cell & 1), at[1] - ((cell >> 1) & 1), at[2] - (cell >> 2)};
     if (!tree.contains(beside)) continue;
     const std::int32_t rest = (1 << tree.level[tree.offset(beside)]) - 1;
     if (((at[0] | at[1] | at[2]) & rest) == 0) return true;

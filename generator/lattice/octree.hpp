@@ -11,16 +11,16 @@
 
 namespace heart::lattice {
 
-using Place = std::array<std::int32_t, 3>;
+using TreeIndex = std::array<std::int32_t, 3>;
 
 /// A leaf covers 2^level finest cells along each axis, from finest cell `low` on.
 struct Leaf {
-  Place low;
+  TreeIndex low;
   std::int32_t level = 0;
 };
 
 /// Corner 0 is the first, `low`; bits 0 to 2 tell the upper ones along x, y, z.
-inline Place corner_of(const Leaf& leaf, std::int32_t corner) {
+inline TreeIndex corner_of(const Leaf& leaf, std::int32_t corner) {
   return {leaf.low[0] + ((corner & 1) << leaf.level), leaf.low[1] + ((corner >> 1 & 1) << leaf.level),
           leaf.low[2] + ((corner >> 2) << leaf.level)};
 }
@@ -28,31 +28,31 @@ inline Place corner_of(const Leaf& leaf, std::int32_t corner) {
 struct Octree {
   Vec3 origin_mm;                   ///< lower corner of the box
   Vec3 step_mm;                     ///< size of the finest cells; a few percent of difference between the axes
-  Place size{0, 0, 0};              ///< finest cells along each axis
+  TreeIndex size{0, 0, 0};          ///< finest cells along each axis
   std::vector<Leaf> leaves;         ///< along a space-filling curve inside each root cell
   std::vector<std::uint8_t> level;  ///< of the leaf over each finest cell, x fastest
 
-  std::size_t offset(const Place& at) const {
+  std::size_t offset(const TreeIndex& at) const {
     return (static_cast<std::size_t>(at[2]) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(at[1])) *
                static_cast<std::size_t>(size[0]) +
            static_cast<std::size_t>(at[0]);
   }
   /// Corners of finest cells, the last ones included.
-  std::size_t corner_offset(const Place& at) const {
+  std::size_t corner_offset(const TreeIndex& at) const {
     const auto nx = static_cast<std::size_t>(size[0]) + 1, ny = static_cast<std::size_t>(size[1]) + 1;
     return (static_cast<std::size_t>(at[2]) * ny + static_cast<std::size_t>(at[1])) * nx +
            static_cast<std::size_t>(at[0]);
   }
-  bool contains(const Place& at) const {
+  bool contains(const TreeIndex& at) const {
     return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < size[0] && at[1] < size[1] && at[2] < size[2];
   }
   /// The leaf over a finest cell. (Leaves begin at multiples of their width.)
-  Leaf leaf_over(const Place& at) const {
+  Leaf leaf_over(const TreeIndex& at) const {
     const std::int32_t number = level[offset(at)], rest = (1 << number) - 1;
     return {{at[0] & ~rest, at[1] & ~rest, at[2] & ~rest}, number};
   }
   /// The finest cell over a position, or beside the box where that lies beyond it.
-  Place finest_cell_at(const Vec3& p_mm) const {
+  TreeIndex finest_cell_at(const Vec3& p_mm) const {
     const auto along = [](double way_mm, double step) { return static_cast<std::int32_t>(std::floor(way_mm / step)); };
     return {along(p_mm.x - origin_mm.x, step_mm.x), along(p_mm.y - origin_mm.y, step_mm.y),
             along(p_mm.z - origin_mm.z, step_mm.z)};
@@ -64,7 +64,7 @@ struct Octree {
 };
 
 /// Whether a leaf has a corner there.
-bool is_leaf_corner(const Octree& tree, const Place& at);
+bool is_leaf_corner(const Octree& tree, const TreeIndex& at);
 
 /// Mean edge of a BCC lattice whose cubes have edges of length 1 (8 edges of sqrt(3)/2 and 6 of 1 at each node).
 constexpr double mean_edge_per_cell = 0.9235;

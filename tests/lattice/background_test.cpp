@@ -36,7 +36,7 @@ TEST(Octree, LeavesThatShareAnEdgeDifferByAFactorOfTwoAtMost) {
         levels |= 1 << level;
         for (int d = 0; d < 27; ++d) {
           const std::int32_t di = d % 3 - 1, dj = d / 3 % 3 - 1, dk = d / 9 - 1;
-          const lattice::Place at{i + di, j + dj, k + dk};
+          const lattice::TreeIndex at{i + di, j + dj, k + dk};
           if (di * dj * dk != 0 || at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= n[0] || at[1] >= n[1] ||
               at[2] >= n[2])
             continue;

@@ -1,9 +1,11 @@
 #include "generator/lattice/around.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "generator/lattice/separate.hpp"
+#include "model/sort_unique.hpp"
 
 namespace heart::lattice {
 
@@ -24,26 +26,48 @@ FacesByHeight by_height(const Complex& c, const std::vector<Face>& faces) {
   return result;
 }
 
+namespace {
+
+// Place of a number in an ascending list; -1 where it is not there.
+std::int32_t place_in(const std::vector<std::int32_t>& list, std::int32_t number) {
+  const auto found = std::ranges::lower_bound(list, number);
+  return found != list.end() && *found == number ? static_cast<std::int32_t>(found - list.begin()) : -1;
+}
+
+}  // namespace
+
+Box reach_of(const Place& place) {
+  auto box = box_around(place.part.nodes_mm);
+  const auto width = static_cast<double>(std::ranges::max(place.part.spacing_mm));
+  box.low -= Vec3{width, width, width};
+  box.high += Vec3{width, width, width};
+  return box;
+}
+
 Around faces_around(const Complex& whole, const FacesByHeight& outer, const Place& place) {
-  const auto box = box_around(place.part.nodes_mm);
-  Around around;
-  for (Face face : outer.between(box.low.z, box.high.z)) {
-    if (!box.meets(box_of(whole, face))) continue;
-    bool is_part = false;
-    for (auto& n : face) {
-      const auto found = std::lower_bound(place.nodes.begin(), place.nodes.end(), n);
-      if (found != place.nodes.end() && *found == n) {
-        const auto own = static_cast<std::int32_t>(found - place.nodes.begin());
-        is_part = is_part || !place.part.is_frozen(own);
-        n = -1 - own;
-      } else {
-        around.nodes_mm.push_back(whole.at(n));
-        n = static_cast<std::int32_t>(around.nodes_mm.size()) - 1;
-      }
-    }
-    if (!is_part) around.faces.push_back(face);
+  Around around{reach_of(place), {}, {}};
+  const auto moves_with_part = [&](std::int32_t n) {
+    const auto own = place_in(place.nodes, n);
+    return own >= 0 && !place.part.is_frozen(own);
+  };
+  std::vector<std::int32_t> others;  // nodes of the whole
+  for (const Face& face : outer.between(around.reach.low.z, around.reach.high.z)) {
+    if (!around.reach.meets(box_of(whole, face)) || std::ranges::any_of(face, moves_with_part)) continue;
+    around.faces.push_back(face);
+    std::ranges::copy_if(face, std::back_inserter(others), [&](auto n) { return place_in(place.nodes, n) < 0; });
   }
+  sort_unique(others);
+  for (const auto n : others) around.nodes_mm.push_back(whole.at(n));
+  for (Face& face : around.faces)
+    for (auto& n : face) {
+      const auto own = place_in(place.nodes, n);
+      n = own >= 0 ? -1 - own : place_in(others, n);
+    }
   return around;
+}
+
+bool is_within_reach(const Complex& part, const Around& around) {
+  return std::ranges::all_of(part.nodes_mm, [&](const Vec3& p) { return around.reach.contains(p); });
 }
 
 std::size_t count_meeting(const Complex& part, const Around& around) {

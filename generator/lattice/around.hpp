@@ -14,6 +14,7 @@ namespace heart::lattice {
 
 /// The outer faces of the whole around a place: what is made of it must not pass through them.
 struct Around {
+  Box reach;  // where they are known
   std::vector<Vec3> nodes_mm;
   std::vector<Face> faces;  // node n of the part as -1 - n
 };
@@ -33,7 +34,13 @@ struct FacesByHeight {
 
 FacesByHeight by_height(const Complex& complex, const std::vector<Face>& faces);
 
+/// How far what is made of a place may reach: one width of the lattice beyond where its nodes are.
+Box reach_of(const Place& place);
+
 Around faces_around(const Complex& whole, const FacesByHeight& outer, const Place& place);
+
+/// Whether what was made of a place lies where all that it could pass through is known.
+bool is_within_reach(const Complex& part, const Around& around);
 
 /// Pairs of outer faces, of a part and of what is around it, that pass through each other.
 std::size_t count_meeting(const Complex& part, const Around& around);

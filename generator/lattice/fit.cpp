@@ -78,7 +78,7 @@ struct Job {
 FacesByHeight outer_faces_near(const Complex& c, const std::vector<SurfaceFace>& faces, const std::vector<Job>& jobs) {
   std::vector<Box> places;
   places.reserve(jobs.size());
-  for (const auto& job : jobs) places.push_back(box_around(job.place.part.nodes_mm));
+  for (const auto& job : jobs) places.push_back(reach_of(job.place));
   const MarkedCubes cubes(places);
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& near) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
@@ -191,7 +191,7 @@ Outcome try_way(const Job& job, const Trial& trial, int way) {
   balance_surfaces(made, materials, trial.settings->enough);
   outcome.fitness = fitness_of(made, materials, trial.settings->aim, trial.settings->labels);
   outcome.is_better = outcome.fitness.misery < job.fitness.misery && worst_quality(made) >= job.least &&
-                      count_meeting(made, job.around) <= job.meeting;
+                      is_within_reach(made, job.around) && count_meeting(made, job.around) <= job.meeting;
   return outcome;
 }
 

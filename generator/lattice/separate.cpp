@@ -240,22 +240,26 @@ std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std
   return parallel::gather_sorted<FacePair>(0, static_cast<std::int64_t>(grid.first.size()) - 1, find);
 }
 
-std::int64_t separate_sheets(Complex& complex, double least_quality) {
-  constexpr int most_rounds = 8, late_rounds = 8;
-  constexpr double late_quality = 0.4885;  // angles in [29, 145] degrees
+std::int64_t separate_gently(Complex& complex, double least_quality) {
+  constexpr int most_rounds = 8;
   const auto all = outer_faces(complex);
   auto faces = all;
   auto pairs = meeting_faces(complex.nodes_mm, faces);
-  for (int round = 0; round < most_rounds + late_rounds && !pairs.empty(); ++round) {
-    const double least = round < most_rounds ? least_quality : std::min(least_quality, late_quality);
+  for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
     const auto nodes = nodes_of(faces, pairs);
     const auto moved = faces_at(all, nodes);
     const auto ways = ways_out(complex, moved, nodes);
-    for (std::size_t i = 0; i < nodes.size(); ++i) draw_back(complex, nodes[i], ways[i], least);
+    for (std::size_t i = 0; i < nodes.size(); ++i) draw_back(complex, nodes[i], ways[i], least_quality);
     faces = faces_near(complex, all, moved);  // no others can have begun or ceased to meet
     pairs = meeting_faces(complex.nodes_mm, faces);
   }
   return static_cast<std::int64_t>(pairs.size());
+}
+
+std::int64_t separate_sheets(Complex& complex, double least_quality) {
+  constexpr double late_quality = 0.4885;  // angles in [29, 145] degrees
+  const auto left = separate_gently(complex, least_quality);
+  return left == 0 ? 0 : separate_gently(complex, std::min(least_quality, late_quality));
 }
 
 }  // namespace heart::lattice

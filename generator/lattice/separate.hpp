@@ -19,9 +19,12 @@ using FacePair = std::pair<std::int32_t, std::int32_t>;
 std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std::vector<Face>& faces);
 
 /// Draws outer faces that meet others without sharing what they meet in back into the mesh, where no cell falls below
-/// `least_quality` or, if it is below already, gets worse. Where that does not do, cells may come down to angles in
-/// [29, 145] degrees: worse cells are better than an overlap. Returns how many pairs of faces still meet. The same
-/// result for any number of threads.
+/// `least_quality` or, if it is below already, gets worse. Returns how many pairs of faces still meet. The same result
+/// for any number of threads.
+std::int64_t separate_gently(Complex& complex, double least_quality);
+
+/// The same; where that does not do, cells may come down to angles in [29, 145] degrees: worse cells are better than an
+/// overlap.
 std::int64_t separate_sheets(Complex& complex, double least_quality);
 
 }  // namespace heart::lattice

@@ -11,6 +11,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/fit.hpp"
 #include "generator/lattice/lay.hpp"
+#include "generator/lattice/place.hpp"
 #include "generator/lattice/refine.hpp"
 #include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
@@ -112,15 +113,6 @@ struct Task {
   StepWatch* watch;
 };
 
-void separate(Attempt& made, const Task& task) {
-  made.meeting = lattice::separate_sheets(made.complex, task.repairing.least);
-  lattice::drop_unused(made.complex);
-  lattice::connect_stars(made.complex);
-  made.worst = 1;
-  for (const auto q : made.complex.quality) made.worst = std::min(made.worst, static_cast<double>(q));
-  task.watch->note("separate");
-}
-
 std::vector<Vec3> places_of_meeting(const lattice::Complex& c) {
   const auto faces = lattice::outer_faces(c);
   std::vector<Vec3> places;
@@ -144,7 +136,10 @@ void finish(Attempt& made, const Task& task) {
   task.watch->note("fit");
   lattice::even_out_volumes(c, materials, task.repairing.least);
   task.watch->note("even out");
-  separate(made, task);
+  made.meeting = lattice::separate_sheets(c, task.repairing.least);
+  lattice::drop_unused(c);
+  lattice::connect_stars(c);
+  task.watch->note("separate");
   made.is_finished = true;
 }
 
@@ -174,7 +169,8 @@ lattice::Complex stuff_and_settle(Task& task, double reach) {
   return complex;
 }
 
-// Fits only what has no cell that is too bad: else another attempt follows, which may be better.
+// Fits only what has no cell that is too bad: else another attempt follows, which may be better. Sheets that meet give
+// way more easily before that.
 Attempt attempt(Task& task, double reach) {
   const auto& materials = task.materials;
   auto& watch = *task.watch;
@@ -186,10 +182,10 @@ Attempt attempt(Task& task, double reach) {
   const auto too_bad =
       lattice::rescue(made.complex, materials, task.repairing, task.aims.enough, lattice::OnFailure::stop);
   watch.note("rescue");
-  if (too_bad == 0)
-    finish(made, task);
-  else
-    separate(made, task);
+  made.meeting = lattice::separate_gently(made.complex, task.repairing.least);
+  watch.note("separate");
+  if (too_bad == 0) finish(made, task);
+  made.worst = lattice::worst_quality(made.complex);
   return made;
 }
 

@@ -1,0 +1,79 @@
+#include "generator/lattice/around.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "generator/lattice/place.hpp"
+#include "generator/lattice/separate.hpp"
+#include "lattice/shapes.hpp"
+
+namespace {
+
+using namespace heart;
+using namespace heart::testing;
+
+constexpr double edge_mm = 0.9, gap_mm = 0.6;
+
+/// Two balls, two thirds of an edge from each other, one after the other along x.
+Materials balls_side_by_side() {
+  return materials_of({[](const Vec3&) { return 0.0; },
+                       [](const Vec3& p) {
+                         const double from_middle = 3 + 0.5 * gap_mm;
+                         return std::max(3 - norm(p - Vec3{from_middle, 0, 0}), 3 - norm(p + Vec3{from_middle, 0, 0}));
+                       }},
+                      8, edge_mm);
+}
+
+/// The node of the ball at low x that is nearest to the other one, and a cell there.
+std::int32_t pole(const Complex& c) {
+  std::int32_t found = -1;
+  for (std::int32_t n = 0; n < static_cast<std::int32_t>(c.nodes_mm.size()); ++n)
+    if (c.at(n).x < 0 && !c.star(n).empty() && (found < 0 || c.at(n).x > c.at(found).x)) found = n;
+  return found;
+}
+
+struct PoleOfBall {
+  lattice::Place place;
+  lattice::Around around;
+  std::size_t node;  // of the part
+};
+
+PoleOfBall pole_of_ball(const Complex& c) {
+  const auto node = pole(c);
+  auto place = lattice::place_around(c, c.star(node)[0], 2);
+  auto around = lattice::faces_around(c, lattice::by_height(c, lattice::outer_faces(c)), place);
+  const auto own = std::ranges::lower_bound(place.nodes, node) - place.nodes.begin();
+  return {std::move(place), std::move(around), static_cast<std::size_t>(own)};
+}
+
+TEST(Around, FacesOfASoundMeshDoNotMeet) {
+  const auto c = mesh_of(balls_side_by_side()).complex;
+  const auto outer = lattice::by_height(c, lattice::outer_faces(c));
+  for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(c.cells.size()); cell += 50) {
+    const auto place = lattice::place_around(c, cell, 2);
+    const auto around = lattice::faces_around(c, outer, place);
+    EXPECT_EQ(lattice::count_meeting(place.part, around), 0U);
+    EXPECT_TRUE(lattice::is_within_reach(place.part, around));
+  }
+}
+
+TEST(Around, ASheetBesideThePlaceIsKnown) {
+  const auto c = mesh_of(balls_side_by_side()).complex;
+  auto [place, around, node] = pole_of_ball(c);
+  double end_mm = -8;
+  for (const auto& p : place.part.nodes_mm) end_mm = std::max(end_mm, p.x);
+  ASSERT_LT(end_mm, 0);  // the other ball lies beyond the part
+  place.part.nodes_mm[node].x = gap_mm;
+  EXPECT_TRUE(lattice::is_within_reach(place.part, around));
+  EXPECT_GT(lattice::count_meeting(place.part, around), 0U);
+}
+
+TEST(Around, WhatLeavesThePlaceByFarIsBeyondReach) {
+  const auto c = mesh_of(balls_side_by_side()).complex;
+  auto [place, around, node] = pole_of_ball(c);
+  place.part.nodes_mm[node].x += 3 * edge_mm;
+  EXPECT_FALSE(lattice::is_within_reach(place.part, around));
+}
+
+}  // namespace

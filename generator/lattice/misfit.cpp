@@ -48,14 +48,25 @@ double reach_of_all(const Materials& materials, LabelBits labels, const Vec3& fr
   return farthest;
 }
 
+// The labels on both sides of a feature's surfaces, `aside_mm` from a place on it.
+LabelBits labels_beside(const Materials& materials, const Feature& feature, const Vec3& place, double aside_mm) {
+  LabelBits found = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(feature.count); ++i) {
+    const Vec3 way = aside_mm * normalized(feature.equations[i].gradient);
+    found |= bit_of(materials.label_at(place + way)) | bit_of(materials.label_at(place - way));
+  }
+  return found;
+}
+
 // Of nodes on surfaces and curves, to the farthest of those surfaces, or of the regions that meet there; 0 of others.
 double distance_of_node(const Complex& c, const Materials& materials, std::int32_t node) {
-  const LabelBits labels = c.bits(node), regions = labels & ~side_bits & ~bit_of(0);
+  constexpr double aside = 0.05;  // of the lattice's width
+  const LabelBits labels = c.bits(node);
   if (!is_constrained(labels)) return 0;
-  const double distance = distance_to(feature_at(materials, labels, c.at(node)));
-  if (!is_constrained(regions)) return distance;
+  const auto feature = feature_at(materials, labels, c.at(node));
   const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]);
-  return std::max(distance, spacing * reach_of_all(materials, regions, c.at(node), spacing, nowhere));
+  const LabelBits missing = labels & ~side_bits & ~labels_beside(materials, feature, c.at(node), aside * spacing);
+  return std::max(distance_to(feature), spacing * reach_of_all(materials, missing, c.at(node), spacing, nowhere));
 }
 
 double mean_edge(const std::array<Vec3, 3>& p) {

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "generator/lattice/feature.hpp"
+#include "generator/lattice/misfit.hpp"
 #include "generator/lattice/repair.hpp"
 #include "generator/lattice/surface_faces.hpp"
 #include "generator/parallel/threads.hpp"
@@ -109,6 +110,30 @@ double worst_distance(const Complex& c, const Notched& notched) {
 }
 
 // Both sides of a surface are looked for around a face's middle: where first-order distances are too small, that tells.
+// Where a level set that does not grow evenly comes near to 0 and turns back, its slope makes the surface seem near.
+TEST(Fit, NodesFarFromTheirSurfaceAreSeenWhereTheLevelSetMakesThemSeemNear) {
+  constexpr double turn_mm = 0.3, steep = 29;
+  const auto depth = [](const Vec3& p) { return 6 - norm(p); };
+  const auto turned = [&](const Vec3& p) {
+    const double t = depth(p);
+    if (t > -turn_mm) return t;
+    const double beyond = -turn_mm - t;
+    return beyond < 0.01 ? -turn_mm + steep * beyond : -turn_mm + 0.01 * steep - (beyond - 0.01);
+  };
+  const auto even = materials_of({[](const Vec3&) { return 0.0; }, depth}, 8, 0.7);
+  const auto uneven = materials_of({[](const Vec3&) { return 0.0; }, turned}, 8, 0.7);
+  auto c = mesh_of(even).complex;
+  const auto faces = lattice::surface_faces(c);
+  const auto node = faces.front().nodes[0];
+  ASSERT_TRUE(lattice::misfits(c, uneven, 0.29, ~0U, faces).empty());
+  c.nodes_mm[static_cast<std::size_t>(node)] *= (6 + turn_mm + 0.009) / norm(c.at(node));
+  ASSERT_LT(lattice::distance_to(lattice::feature_at(uneven, c.bits(node), c.at(node))), 0.01);
+  const auto found = lattice::misfits(c, uneven, 0.29, ~0U, faces);
+  const auto at_node = [&](const Face& face) { return std::ranges::find(face, node) != face.end(); };
+  EXPECT_GE(found.size(), 3U);
+  EXPECT_TRUE(std::ranges::all_of(found, at_node));
+}
+
 TEST(Fit, FacesReachTheBottomOfANotch) {
   constexpr double beyond_aim = 0.31, before_aim = 0.28;  // steps of the search, in edges
   double farthest_before = 0;

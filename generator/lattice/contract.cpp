@@ -102,8 +102,11 @@ struct Merge {
   double gain = 0;
 };
 
+/// What a merge must make of the cells around it: better ones than the worst was, or sound ones.
+enum class Bound { before, sound };
+
 // The best of the two ends and the middle.
-Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone) {
+Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone, Bound kind) {
   std::array<Vec3, 3> places{c.at(kept)};
   std::size_t count = 1;
   if (c.bits(kept) == c.bits(gone) && !c.is_frozen(kept)) {
@@ -114,7 +117,8 @@ Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept
   const double at_both = std::min(at_gone, worst_quality(c, c.star(kept)));
   Merge best;
   for (std::size_t i = 0; i < count; ++i) {
-    const double bound = std::max((i == 0 ? at_gone : at_both) + least_gain, least_quality);
+    const double old = kind == Bound::before ? (i == 0 ? at_gone : at_both) + least_gain : 0;
+    const double bound = std::max(old, least_quality);
     double worst = worst_after(c, gone, kept, places[i], bound);
     if (i > 0 && worst > bound) worst = std::min(worst, worst_after(c, kept, gone, places[i], bound));
     if (worst - bound > best.gain) best = {places[i], worst - bound};
@@ -122,23 +126,22 @@ Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept
   return best;
 }
 
-}  // namespace
-
-bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone,
-                   const SurfaceTolerance& tolerance) {
+// Cells around an edge one end of which may go into the other; none where it may not.
+Ring ring_to_shrink(const Complex& c, std::int32_t kept, std::int32_t gone) {
   const LabelBits bits = c.bits(gone);
   if (c.is_frozen(gone) || (bits & ~c.bits(kept)) != 0 || c.star(kept).size() + c.star(gone).size() > most_cells)
-    return false;
+    return {};
   const auto ring = ring_around(c, kept, gone);
-  if (ring.size == 0 || touches_of(c, ring, kept, gone) != bits) return false;
-  const auto merge = best_merge(c, materials, kept, gone);
-  if (merge.gain <= 0 || !shares_only_ring(c, ring, kept, gone)) return false;
-  if (is_constrained(bits) && (glues_features(c, ring, kept, gone) ||
-                               leaves_surface(c, materials, kept, gone, merge.position, tolerance.middle) ||
-                               makes_misfit(c, materials, gone, merge.position, kept, tolerance.face) ||
-                               makes_misfit(c, materials, kept, merge.position, gone, tolerance.face)))
-    return false;
-  c.nodes_mm[static_cast<std::size_t>(kept)] = merge.position;
+  return ring.size == 0 || touches_of(c, ring, kept, gone) != bits ? Ring{} : ring;
+}
+
+bool keeps_topology(const Complex& c, const Ring& ring, std::int32_t kept, std::int32_t gone) {
+  return shares_only_ring(c, ring, kept, gone) &&
+         !(is_constrained(c.bits(gone)) && glues_features(c, ring, kept, gone));
+}
+
+void merge_into(Complex& c, std::int32_t kept, std::int32_t gone, const Vec3& position) {
+  c.nodes_mm[static_cast<std::size_t>(kept)] = position;
   const std::vector<std::int32_t> star(c.star(gone).begin(), c.star(gone).end());
   for (const auto t : star) {
     Cell cell = c.cell(t);
@@ -149,6 +152,31 @@ bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, st
     add_cell(c, cell, label);
   }
   update_qualities(c, c.star(kept));
+}
+
+}  // namespace
+
+bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone,
+                   const SurfaceTolerance& tolerance) {
+  const LabelBits bits = c.bits(gone);
+  const auto ring = ring_to_shrink(c, kept, gone);
+  if (ring.size == 0) return false;
+  const auto merge = best_merge(c, materials, kept, gone, Bound::before);
+  if (merge.gain <= 0 || !keeps_topology(c, ring, kept, gone)) return false;
+  if (is_constrained(bits) && (leaves_surface(c, materials, kept, gone, merge.position, tolerance.middle) ||
+                               makes_misfit(c, materials, gone, merge.position, kept, tolerance.face) ||
+                               makes_misfit(c, materials, kept, merge.position, gone, tolerance.face)))
+    return false;
+  merge_into(c, kept, gone, merge.position);
+  return true;
+}
+
+bool shrink_edge(Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone) {
+  const auto ring = ring_to_shrink(c, kept, gone);
+  if (ring.size == 0) return false;
+  const auto merge = best_merge(c, materials, kept, gone, Bound::sound);
+  if (merge.gain <= 0 || !keeps_topology(c, ring, kept, gone)) return false;
+  merge_into(c, kept, gone, merge.position);
   return true;
 }
 

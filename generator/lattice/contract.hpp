@@ -13,6 +13,10 @@ namespace heart::lattice {
 bool contract_edge(Complex& complex, const Materials& materials, std::int32_t kept, std::int32_t gone,
                    const SurfaceTolerance& tolerance);
 
+/// Merges `gone` into `kept` wherever that keeps the topology and leaves sound cells, whatever becomes of their quality
+/// and of surfaces.
+bool shrink_edge(Complex& complex, const Materials& materials, std::int32_t kept, std::int32_t gone);
+
 /// Puts a node on the edge, at the place of its surfaces near the middle. Returns the node, or -1 where the edge has to
 /// stay or its cells cannot be told.
 std::int32_t halve_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b);

@@ -10,7 +10,7 @@
 
 #include "generator/lattice/around.hpp"
 #include "generator/lattice/balance.hpp"
-#include "generator/lattice/contract.hpp"
+#include "generator/lattice/change_face.hpp"
 #include "generator/lattice/exchange.hpp"
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/marked_cubes.hpp"
@@ -109,23 +109,6 @@ std::vector<SurfaceFace> faces_near(const Complex& c, const std::vector<SurfaceF
   return parallel::gather<SurfaceFace>(0, static_cast<std::int64_t>(faces.size()), find);
 }
 
-// One way of several to divide a face: its longest edge, the second, the third, in its middle. Then again, a little
-// shaken up.
-void divide(Complex& part, const Materials& materials, const Face& face, int way, std::uint32_t seed) {
-  constexpr int ways = 4;
-  constexpr double shake = 0.01;  // of the lattice's width
-  if (way >= ways) shake_up(part, materials, shake * way, static_cast<std::uint32_t>(way) + 1000 * seed);
-  if (way % ways == 3) {
-    pierce_face(part, materials, face);
-    return;
-  }
-  std::array<std::pair<double, std::size_t>, 3> edges;
-  for (std::size_t i = 0; i < 3; ++i) edges[i] = {-norm(part.at(face[i]) - part.at(face[(i + 1) % 3])), i};
-  std::sort(edges.begin(), edges.end());
-  const std::size_t i = edges[static_cast<std::size_t>(way % ways)].second;
-  halve_edge(part, materials, face[i], face[(i + 1) % 3]);
-}
-
 // Gives cells the regions in which they lie, where that is only a matter of tips and tails: tails go from their end on.
 bool relabel_strays(Complex& part, const Materials& materials) {
   constexpr int most_rounds = 6;
@@ -163,7 +146,7 @@ Trial trial_of(const Materials& materials, RepairSettings repairing, const FitSe
 
 const Complex& best_of(const Job& job) { return job.best.cells.empty() ? job.place.part : job.best; }
 
-// Way 0 relabels, the others divide the worst face.
+// Way 0 relabels, the others change the worst face.
 int first_way(const Job& job, const Materials& materials) {
   Complex tried = best_of(job);
   return relabel_strays(tried, materials) ? 0 : 1;
@@ -178,6 +161,12 @@ void begin(Job& job, const Trial& trial) {
   job.way = first_way(job, *trial.materials);
 }
 
+// A node less leaves less to try: only where a misfit goes with it.
+bool gains_enough(const Fitness& made, const Fitness& before, int way) {
+  const bool is_smaller = way > 0 && takes_node_away(way - 1);
+  return made.misery < before.misery && (!is_smaller || made.misfits < before.misfits);
+}
+
 Outcome try_way(const Job& job, const Trial& trial, int way) {
   const auto& materials = *trial.materials;
   Outcome outcome{best_of(job), {}};
@@ -185,12 +174,12 @@ Outcome try_way(const Job& job, const Trial& trial, int way) {
   if (way == 0)
     relabel_strays(made, materials);
   else
-    divide(made, materials, job.fitness.worst, way - 1, trial.effort->seed);
+    change_face(made, materials, job.fitness.worst, way - 1, trial.effort->seed);
   repair(made, materials, trial.repairing);
   draw_to_surfaces(made, materials, trial.settings->enough);
   balance_surfaces(made, materials, trial.settings->enough);
   outcome.fitness = fitness_of(made, materials, trial.settings->aim, trial.settings->labels);
-  outcome.is_better = outcome.fitness.misery < job.fitness.misery && worst_quality(made) >= job.least &&
+  outcome.is_better = gains_enough(outcome.fitness, job.fitness, way) && worst_quality(made) >= job.least &&
                       is_within_reach(made, job.around) && count_meeting(made, job.around) <= job.meeting;
   return outcome;
 }

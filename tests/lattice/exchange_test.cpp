@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "generator/lattice/contract.hpp"
+#include "generator/lattice/feature.hpp"
 #include "generator/lattice/ring.hpp"
 #include "generator/lattice/surface_faces.hpp"
 #include "lattice/shapes.hpp"
@@ -147,6 +148,39 @@ TEST(PierceFace, LeavesAFaceFarFromItsSurface) {
   const auto far = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 50 - norm(p); }}, 7, 2);
   EXPECT_LT(lattice::pierce_face(c, far, lattice::surface_faces(c)[7].nodes), 0);
   EXPECT_EQ(c.nodes_mm.size(), nodes);
+}
+
+// Not for the sake of the worst cell: any edge goes where the mesh stays whole.
+TEST(ShrinkEdge, TheMeshStaysWholeAndItsSurfaceClosed) {
+  const auto m = ball_of_two_halves();
+  auto c = mesh_of(m).complex;
+  const auto cells = c.cells.size();
+  const auto edge_of = [&](std::size_t t) { return std::pair{c.cells[t][0], c.cells[t][1]}; };
+  int shrunk = 0, on_surface = 0;
+  for (std::size_t t = 0; t < cells; t += 60) {
+    if (!c.is_alive(static_cast<std::int32_t>(t))) continue;
+    const auto [a, b] = edge_of(t);
+    const LabelBits gone = c.bits(b);
+    const bool may = (gone & ~c.bits(a)) == 0;
+    const bool is_shrunk = lattice::shrink_edge(c, m, a, b);
+    EXPECT_TRUE(may || !is_shrunk);
+    if (!is_shrunk) continue;
+    EXPECT_TRUE(c.star(b).empty());
+    ++shrunk;
+    on_surface += lattice::is_constrained(gone) ? 1 : 0;
+  }
+  EXPECT_GT(shrunk, 20);
+  EXPECT_GT(on_surface, 2);
+  EXPECT_GT(least_volume(c), 0);
+  EXPECT_EQ(defects(c), 0);
+}
+
+TEST(ShrinkEdge, FrozenNodesStay) {
+  const auto m = ball_of_two_halves();
+  auto c = mesh_of(m).complex;
+  c.frozen.assign(c.nodes_mm.size(), 1);
+  for (std::size_t t = 0; t < c.cells.size(); t += 60)
+    EXPECT_FALSE(lattice::shrink_edge(c, m, c.cells[t][0], c.cells[t][1]));
 }
 
 }  // namespace

@@ -143,9 +143,22 @@ double wall_overlap(const Registration& registration, const Volume<std::uint8_t>
 
 }  // namespace
 
+// Orthogonal factor of the polar decomposition (Higham, SIAM J Sci Stat Comput 7, 1986): Newton's steps to the mean of
+// the matrix and its inverse transposed, which is that of its cofactors over its determinant.
+Mat3 nearest_rotation(Mat3 matrix) {
+  constexpr int steps = 30;  // it converges quadratically, after halving what is far from unit length
+  for (int step = 0; step < steps; ++step) {
+    const double volume = determinant(matrix);
+    const Mat3 cofactors{{cross(matrix[1], matrix[2]), cross(matrix[2], matrix[0]), cross(matrix[0], matrix[1])}};
+    for (int row = 0; row < 3; ++row) matrix[row] = 0.5 * (matrix[row] + cofactors[row] / volume);
+  }
+  return matrix;
+}
+
 Registration register_atlas(const Ventricles& patient, const Ventricles& atlas, const FiberSettings& settings) {
   Registration result;
   result.pose = fit_atlas_pose(patient, atlas);
+  result.rotation = nearest_rotation(result.pose.atlas_from_patient.matrix);
   const auto [patient_cut, atlas_cut] = common_parts(patient, atlas, result.pose.atlas_from_patient);
   const Grid grid = registration_grid(patient.parts.grid, settings.grid_mm);
   const double blur = 0.5 * settings.grid_mm / patient.parts.grid.spacing_mm.x;

@@ -8,6 +8,7 @@ namespace heart::atlas {
 
 struct Registration {
   Pose pose;
+  Mat3 rotation;                 ///< nearest to the pose's matrix: where the patient's directions point in the atlas
   Volume<Vec3> displacement_mm;  ///< u on the registration grid, in the patient's frame
   double min_jacobian = 0;       ///< smallest determinant of the gradient of x + u(x) on that grid; > 0: no folding
   double wall_overlap = 0;       ///< Dice of the walls below the base, patient against warped atlas
@@ -21,5 +22,8 @@ Vec3 atlas_position(const Registration& registration, const Vec3& patient_mm);
 
 /// Its derivative by the patient's coordinates.
 Mat3 atlas_jacobian(const Registration& registration, const Vec3& patient_mm);
+
+/// The rotation nearest to a matrix of positive determinant: what it does besides stretching.
+Mat3 nearest_rotation(Mat3 matrix);
 
 }  // namespace heart::atlas

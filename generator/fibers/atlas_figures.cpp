@@ -77,7 +77,7 @@ void add_carried(const Hearts& hearts, const CarriedAxes& c, bool left, AtlasFig
   for (const auto n : places(c, left)) {
     const auto& at = left ? c.walls.lv[n] : c.walls.rv[n];
     add(carried, at.depth, helix_angle_deg(at, c.fiber[n]));
-    features.push_back(place_feature(c.atlas_mm[n], at.depth, at.bend));
+    features.push_back(feature_in_atlas(hearts, left, c.atlas_mm[n], at));
   }
   for (const auto n : nearest_samples(samples, features)) add(there, depth[n], helix_of(samples.tensor[n]));
 }

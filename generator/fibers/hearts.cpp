@@ -69,10 +69,10 @@ WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& 
         atlas::axis_tensor({dot(f, at->circumferential), dot(f, at->longitudinal), dot(f, at->normal)});
     samples.depth.push_back(at->depth);
     samples.thickness_mm.push_back(at->thickness_mm);
-    samples.by_place.feature.push_back(place_feature(position, at->depth, at->bend));
+    samples.by_place.feature.push_back(place_feature(position, at->depth, at->bend, at->normal));
     samples.by_place.tensor.push_back(tensor);
     samples.by_coordinates.feature.push_back(
-        coordinate_feature(image.ventricles.frame, center_mm, position, at->depth, at->bend));
+        coordinate_feature(image.ventricles.frame, center_mm, position, at->depth, at->bend, at->normal));
     samples.by_coordinates.tensor.push_back(tensor);
   }
   return samples;
@@ -110,6 +110,41 @@ void check_patient_handedness(const LabelVolume& labels, const Landmarks& landma
         "fibers",
         "check the orientation in the image's header, or how the image was converted; a heart "
         "that truly is mirrored (situs inversus) needs an atlas of its own");
+}
+
+/// Features of a few thousand voxels all over the patient's right wall.
+std::vector<WallFeature> places_of_right_wall(const Hearts& hearts) {
+  constexpr std::size_t step = 37;  // of the wall's voxels
+  const auto& coordinates = hearts.patient_walls.rv;
+  std::vector<WallFeature> places;
+  std::size_t passed = 0;
+  for (std::size_t v = 0; v < coordinates.known.voxels.size(); ++v) {
+    if (coordinates.known.voxels[v] != 1 || passed++ % step != 0) continue;
+    const Vec3 position = atlas::voxel_center(coordinates.known.grid, static_cast<std::int64_t>(v));
+    places.push_back(place_feature(atlas_position(hearts.registration, position), coordinates.depth.voxels[v],
+                                   coordinates.bend.voxels[v],
+                                   hearts.registration.rotation * coordinates.normal.voxels[v]));
+  }
+  return places;
+}
+
+/// The right wall folds, at its groove and around its valves, where some mm to the side it faces elsewhere; the left
+/// one is round, and a normal within its 10 mm is a mean over some mm: it tells of the place nothing that is not known.
+/// Where two hearts are shaped so differently that normals at corresponding places differ by more than normals count
+/// in, they count in units of that.
+Both<double> facing_share(const Hearts& hearts) {
+  const auto places = places_of_right_wall(hearts);
+  if (places.empty()) return {0, 0};
+  const double difference = facing_difference(hearts.by_place.rv, places);
+  return {0, normal_scale / std::max(normal_scale, difference)};
+}
+
+void weigh_normals(Hearts& hearts) {
+  hearts.facing_share = facing_share(hearts);
+  for (auto* samples : {&hearts.by_place, &hearts.by_coordinates}) {
+    weigh_normals(hearts.facing_share.lv, samples->lv);
+    weigh_normals(hearts.facing_share.rv, samples->rv);
+  }
 }
 
 double left_of_junction_at(const Hearts& hearts, const Vec3& point_mm) {
@@ -181,6 +216,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
   hearts.left_of_junction_mm = left_of_junction(hearts.patient);
   hearts.patient_walls = for_both([&](Part wall) { return wall_coordinates(hearts.patient, wall); });
   hearts.patient_centers_mm = angle_centers(hearts.patient);
+  weigh_normals(hearts);
   return hearts;
 }
 
@@ -217,23 +253,29 @@ std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>&
   return result;
 }
 
+WallFeature feature_in_atlas(const Hearts& hearts, bool left, const Vec3& atlas_mm, const WallPoint& at) {
+  const double share = left ? hearts.facing_share.lv : hearts.facing_share.rv;
+  return place_feature(atlas_mm, at.depth, at.bend, share * (hearts.registration.rotation * at.normal));
+}
+
 std::vector<AxisTensor> carried_axes(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
                                      const std::vector<Vec3>& atlas_mm, const std::string& method) {
   if (method == "jacobian") return push_forward(hearts.atlas, hearts.registration, points_mm);
   std::vector<AxisTensor> axes(points_mm.size());
   for (const bool left : {true, false}) {
+    const double share = left ? hearts.facing_share.lv : hearts.facing_share.rv;
     if (method == "coordinates") {
       const Vec3& center = left ? hearts.patient_centers_mm.lv : hearts.patient_centers_mm.rv;
       add_carried(
           left ? hearts.by_coordinates.lv : hearts.by_coordinates.rv, walls, left,
           [&](std::size_t n, const WallPoint& at) {
-            return coordinate_feature(hearts.patient.frame, center, points_mm[n], at.depth, at.bend);
+            return coordinate_feature(hearts.patient.frame, center, points_mm[n], at.depth, at.bend, share * at.normal);
           },
           axes);
     } else {
       add_carried(
           left ? hearts.by_place.lv : hearts.by_place.rv, walls, left,
-          [&](std::size_t n, const WallPoint& at) { return place_feature(atlas_mm[n], at.depth, at.bend); }, axes);
+          [&](std::size_t n, const WallPoint& at) { return feature_in_atlas(hearts, left, atlas_mm[n], at); }, axes);
     }
   }
   return axes;

@@ -25,6 +25,7 @@ struct Hearts {
   Both<AngleSamples> by_place, by_coordinates;
   Both<std::vector<double>> atlas_depth, atlas_thickness_mm;  ///< per sample: where in its wall, and how thick that is
   Both<atlas::WallCoordinates> patient_walls;
+  Both<double> facing_share;          ///< how much a wall's normal counts in what is looked up, 0 to 1
   Both<Vec3> patient_centers_mm;      ///< what angles go around: the long axis, the right cavity
   Volume<float> left_of_junction_mm;  ///< of the patient
 };
@@ -52,6 +53,9 @@ PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
 
 /// Position in the atlas's frame of each point.
 std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>& points_mm);
+
+/// What a point of the patient's wall is looked up by in by_place: `atlas_mm`: its position in the atlas's frame.
+WallFeature feature_in_atlas(const Hearts& hearts, bool left, const Vec3& atlas_mm, const atlas::WallPoint& at);
 
 /// Dyads of the carried axes; zero tensors where nothing could be carried. `method`: "local_angles", "coordinates" or
 /// "jacobian".

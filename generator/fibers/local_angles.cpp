@@ -20,6 +20,7 @@ constexpr double farthest = 1;              // from the samples, scaled; a query
 constexpr double wide_place = 0.25;  // places count so much where a border is sought: its depth must be the query's
 
 constexpr std::size_t places = 3, fitted = 4;  // of a feature's numbers: where, and where at which depth
+constexpr std::size_t facing = 5;              // from here on: where the wall faces
 
 struct FeatureCloud {
   const std::vector<WallFeature>& points;
@@ -156,21 +157,24 @@ AxisTensor in_patient_frame(const AxisTensor& local, const atlas::WallPoint& at)
 
 }  // namespace
 
-WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend) {
-  return {atlas_mm.x / position_scale_mm, atlas_mm.y / position_scale_mm, atlas_mm.z / position_scale_mm,
-          depth / depth_scale, bend / bend_scale};
+WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend, const Vec3& atlas_normal) {
+  const Vec3 place = atlas_mm / position_scale_mm, n = atlas_normal / normal_scale;
+  return {place.x, place.y, place.z, depth / depth_scale, bend / bend_scale, n.x, n.y, n.z};
 }
 
 Vec3 place_of(const WallFeature& place) { return position_scale_mm * Vec3{place[0], place[1], place[2]}; }
 
+Vec3 normal_of(const WallFeature& place) { return normal_scale * Vec3{place[5], place[6], place[7]}; }
+
 WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
-                               double depth, double bend) {
+                               double depth, double bend, const Vec3& normal) {
   const double height = dot(point_mm - frame.base_point_mm, frame.long_axis) / frame.length_mm;
   const Vec3 from_center = point_mm - center_mm;
-  const double x = dot(from_center, frame.rv_side), y = dot(from_center, cross(frame.long_axis, frame.rv_side));
+  const Vec3 third = cross(frame.long_axis, frame.rv_side), n = normal / normal_scale;
+  const double x = dot(from_center, frame.rv_side), y = dot(from_center, third);
   const double radius = std::max(std::sqrt(x * x + y * y), 1e-9);
   return {height / height_scale, x / radius / angle_scale, y / radius / angle_scale, depth / depth_scale,
-          bend / bend_scale};
+          bend / bend_scale,     dot(n, frame.long_axis),  dot(n, frame.rv_side),    dot(n, third)};
 }
 
 std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features) {
@@ -182,6 +186,25 @@ std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std:
     tree.knnSearch(features[f].data(), 1, &result[f], &squared);
   }
   return result;
+}
+
+void weigh_normals(double share, AngleSamples& samples) {
+  for (WallFeature& f : samples.feature)
+    for (std::size_t axis = facing; axis < f.size(); ++axis) f[axis] *= share;
+}
+
+double facing_difference(const AngleSamples& samples, const std::vector<WallFeature>& places) {
+  AngleSamples unaware{samples.feature, {}};
+  weigh_normals(0, unaware);
+  std::vector<WallFeature> sought = places;
+  for (WallFeature& f : sought) std::fill(f.begin() + facing, f.end(), 0.0);
+  const auto nearest = nearest_samples(unaware, sought);
+  std::vector<double> off(places.size());
+  for (std::size_t n = 0; n < off.size(); ++n)
+    off[n] = norm(normal_of(places[n]) - normal_of(samples.feature[nearest[n]]));
+  const auto half = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), half, off.end());
+  return *half;
 }
 
 std::vector<AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries) {

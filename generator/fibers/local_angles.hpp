@@ -11,24 +11,39 @@
 namespace heart::fibers {
 
 /// Where a point lies in a wall, scaled so that a distance of 1 means "as near as a neighbour should be": three numbers
-/// of its place, then its depth, then how much the wall bends there. Where a wall bends sharply its directions and its
-/// depth are the least certain, and hearts do not bend at the same places: what was measured in a bend tells of bends.
-using WallFeature = std::array<double, 5>;
+/// of its place, then its depth, then how much the wall bends there, then three of where it faces. Where a wall bends
+/// sharply its directions and its depth are the least certain, and hearts do not bend at the same places: what was
+/// measured in a bend tells of bends. And a place is known to a few mm, along which a bend turns by tens of degrees: of
+/// the places around, the one where the wall faces the same way is the likelier one.
+using WallFeature = std::array<double, 8>;
 
-/// By place: position in the atlas's frame (in units of 2.5 mm), depth (0.06) and bend (0.08).
-WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend);
-Vec3 place_of(const WallFeature& place);  ///< atlas_mm of a place_feature
+/// As far as a wall of 25 mm radius, which is a right ventricle's, turns over 2.5 mm.
+constexpr double normal_scale = 0.1;
+
+/// By place: position in the atlas's frame (in units of 2.5 mm), depth (0.06), bend (0.08) and `atlas_normal` (0.1),
+/// the wall's normal in that frame, shorter where it shall count less.
+WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend, const Vec3& atlas_normal);
+Vec3 place_of(const WallFeature& place);   ///< atlas_mm of a place_feature
+Vec3 normal_of(const WallFeature& place);  ///< atlas_normal of a place_feature
 
 /// By coordinates: height along the long axis as a share of the heart's length (0.05), the angle around `center_mm`
-/// (0.15 rad), depth (0.06) and bend (0.08); comparable between hearts without a registration.
+/// (0.15 rad), depth (0.06), bend (0.08) and `normal` in the heart's frame (0.1); comparable between hearts without a
+/// registration.
 WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
-                               double depth, double bend);
+                               double depth, double bend, const Vec3& normal);
 
 /// The known axes of one ventricle of the atlas.
 struct AngleSamples {
   std::vector<WallFeature> feature;
   std::vector<atlas::AxisTensor> tensor;  ///< dyad of the axis in (circumferential, longitudinal, normal)
 };
+
+/// Median distance (about radians) of the places' normals from those of the nearest samples, wherever these face. Both
+/// by place. Neither may be empty.
+double facing_difference(const AngleSamples& samples, const std::vector<WallFeature>& places);
+
+/// Normals count `share` times as much as before.
+void weigh_normals(double share, AngleSamples& samples);
 
 /// A point of the patient's wall.
 struct AngleQuery {

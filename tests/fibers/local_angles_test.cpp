@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -17,6 +18,8 @@ using testing::axis_angle_deg;
 
 constexpr double degree = std::numbers::pi / 180;
 
+const Vec3 outwards{0, 0, 1};
+
 double nowhere(double) { return 0; }
 
 /// Samples of a slab of wall, 2 mm apart along it and 0.025 in depth, that bends by `bend_at` (x in mm).
@@ -28,15 +31,17 @@ fibers::AngleSamples slab(const std::function<Vec3(int number, double depth)>& l
       for (int k = 0; k <= 40; ++k) {
         const double depth = 0.025 * k;
         const auto number = static_cast<int>(samples.tensor.size());
-        samples.feature.push_back(fibers::place_feature({2.0 * i, 2.0 * j, 10 * depth}, depth, bend_at(2.0 * i)));
+        samples.feature.push_back(
+            fibers::place_feature({2.0 * i, 2.0 * j, 10 * depth}, depth, bend_at(2.0 * i), outwards));
         samples.tensor.push_back(atlas::axis_tensor(local_axis(number, depth)));
       }
   return samples;
 }
 
-Vec3 carried_at(const fibers::AngleSamples& samples, const Vec3& place_mm, double depth, double bend = 0) {
+Vec3 carried_at(const fibers::AngleSamples& samples, const Vec3& place_mm, double depth, double bend = 0,
+                const Vec3& normal = outwards) {
   fibers::AngleQuery query;
-  query.feature = fibers::place_feature(place_mm, depth, bend);
+  query.feature = fibers::place_feature(place_mm, depth, bend, normal);
   query.at.circumferential = {1, 0, 0};
   query.at.longitudinal = {0, 1, 0};
   query.at.normal = {0, 0, 1};
@@ -70,6 +75,43 @@ TEST(LocalAngles, WhatWasMeasuredInABendOfTheWallTellsOfBends) {
   EXPECT_LT(axis_angle_deg(carried_at(samples, {0.3, 0.7, 5}, 0.5, bent), off), 3);
 }
 
+/// A wall that turns by 60 degrees over 5 mm, and its fibres with it.
+Vec3 facing_at(double x_mm) {
+  const double angle = std::clamp(x_mm + 2.5, 0.0, 5.0) * 12 * degree;
+  return {std::sin(angle), 0, std::cos(angle)};
+}
+
+fibers::AngleSamples fold(const Vec3& before, const Vec3& behind) {
+  auto samples = slab([&](int, double) { return before; });
+  for (auto n = std::size_t{0}; n < samples.feature.size(); ++n) {
+    const Vec3 place = fibers::place_of(samples.feature[n]);
+    const double depth = place.z / 10;
+    samples.feature[n] = fibers::place_feature(place, depth, 0, facing_at(place.x));
+    if (place.x > 0) samples.tensor[n] = atlas::axis_tensor(behind);
+  }
+  return samples;
+}
+
+TEST(LocalAngles, BesideAFoldTheSideThatFacesTheSameWayIsLookedUp) {
+  const Vec3 before{1, 0, 0}, behind{std::cos(40 * degree), std::sin(40 * degree), 0};
+  auto samples = fold(before, behind);
+  const double off_mm = 1.5;  // of the place, as a registration leaves it
+  EXPECT_LT(axis_angle_deg(carried_at(samples, {off_mm, 0.7, 5}, 0.5, 0, facing_at(-3)), before), 5);
+  EXPECT_LT(axis_angle_deg(carried_at(samples, {-off_mm, 0.7, 5}, 0.5, 0, facing_at(3)), behind), 5);
+  fibers::weigh_normals(0, samples);
+  EXPECT_GT(axis_angle_deg(carried_at(samples, {off_mm, 0.7, 5}, 0.5, 0, {}), before), 20);
+}
+
+TEST(LocalAngles, HowFarNormalsDifferIsTheirMedianAtTheSamePlaces) {
+  const auto samples = slab([](int, double) { return Vec3{1, 0, 0}; });
+  std::vector<fibers::WallFeature> places;
+  for (const double turn_deg : {0.0, 10.0, 20.0, 30.0, 90.0}) {
+    const Vec3 normal{0, std::sin(turn_deg * degree), std::cos(turn_deg * degree)};
+    places.push_back(fibers::place_feature({turn_deg / 15, 1, 5}, 0.5, 0, normal));
+  }
+  EXPECT_NEAR(fibers::facing_difference(samples, places), 2 * std::sin(10 * degree), 1e-9);
+}
+
 /// Places in no order, on the samples (so that many are equally far), between them and beyond them.
 std::vector<fibers::AngleQuery> scattered_queries() {
   std::vector<fibers::AngleQuery> queries;
@@ -78,8 +120,8 @@ std::vector<fibers::AngleQuery> scattered_queries() {
     const double depth = 0.025 * (n * 7 % 41);
     const double off_mm = n % 3 == 0 ? 0 : 0.37 * (n % 5);
     const double reach_mm = n % 17 == 0 ? 9 : 2;
-    query.feature =
-        fibers::place_feature({reach_mm * (n * 5 % 11 - 5) + off_mm, 2.0 * (n * 3 % 11 - 5), 10 * depth}, depth, 0);
+    query.feature = fibers::place_feature({reach_mm * (n * 5 % 11 - 5) + off_mm, 2.0 * (n * 3 % 11 - 5), 10 * depth},
+                                          depth, 0, outwards);
     query.at.circumferential = {1, 0, 0};
     query.at.longitudinal = {0, 1, 0};
     query.at.normal = {0, 0, 1};

@@ -14,7 +14,7 @@ namespace {
 using atlas::AxisTensor;
 constexpr double position_scale_mm = 2.5, depth_scale = 0.06, height_scale = 0.05, angle_scale = 0.15;
 constexpr double bend_scale = 0.08;
-constexpr std::size_t neighbors = 48;
+constexpr std::size_t neighbors = 64;
 constexpr double doubtful_off_wall = 0.03;  // squared sine of 10 degrees
 constexpr double farthest = 1;              // from the samples, scaled; a query beyond is looked up at their border
 constexpr double wide_place = 0.25;  // places count so much where a border is sought: its depth must be the query's

@@ -54,7 +54,7 @@ struct AngleQuery {
 /// The sample nearest to each feature. `samples` must not be empty.
 std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features);
 
-/// Dyad of a unit axis per query, in the patient's frame: linear regression of the samples' tensors on the 48 nearest
+/// Dyad of a unit axis per query, in the patient's frame: linear regression of the samples' tensors on the 64 nearest
 /// features; a query farther from all samples is looked up at their border, at its own depth. `samples` must not be
 /// empty. The same bits for any number of threads.
 std::vector<atlas::AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries);

@@ -22,7 +22,8 @@ constexpr double deviation_mm = 1;    // and by this usually;
 constexpr double misplaced_mm = 1.5;  // the wall between right ventricle and atrium by this from where they are divided
 constexpr double place_reach_mm = 10;  // voxels farther from the wall's end need no thickness
 constexpr double alone_mm = 1;         // other walls end at least this far off
-constexpr double off_left_mm = 4;      // the same of walls beside left atrium and aorta, thick and blurred
+constexpr double off_left_mm = 4;      // for the free wall those beside left atrium and aorta, thick and blurred; not
+                                       // for the septum: it grows thin beside the aortic root, which it alone shows
 constexpr std::size_t bins = 30;
 constexpr double bin_mm = 2 * band_mm / bins;
 
@@ -211,10 +212,12 @@ Speakers speakers(const WallDistances& walls, const Mask& thin_walled, const Mas
     if (!near.voxels[v]) continue;
     const auto outside = static_cast<double>(walls.from_outside.voxels[v]);
     const auto from_lv = static_cast<double>(walls.from_lv.voxels[v]);
-    if (static_cast<double>(walls.from_other_left.voxels[v]) - mean.double_mm < off_left_mm) continue;
+    const double other_left = static_cast<double>(walls.from_other_left.voxels[v]) - mean.double_mm;
     const bool thin = thin_walled.voxels[v] != 0;
-    result.free.voxels[v] = !thin && from_lv - mean.left_mm > alone_mm && outside > blurred_mm;
-    result.left.voxels[v] = outside - (thin ? mean.thin_mm : mean.free_mm) > alone_mm && from_lv > blurred_mm;
+    result.free.voxels[v] =
+        other_left >= off_left_mm && !thin && from_lv - mean.left_mm > alone_mm && outside > blurred_mm;
+    result.left.voxels[v] =
+        other_left > alone_mm && from_lv > blurred_mm && outside - (thin ? mean.thin_mm : mean.free_mm) > alone_mm;
   }
   return result;
 }

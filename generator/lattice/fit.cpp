@@ -45,7 +45,6 @@ struct Effort {
   std::uint32_t seed;  // of shakes
   bool takes_halves;   // is_worth_it
   bool spares_faces;   // that fit: on the way to something better they may have to become misfits
-  bool tries_once;     // each misfit, and not again from places beside it
 };
 
 /// What one try made of a place.
@@ -327,7 +326,7 @@ std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, const Ef
       if (job.fitness.misery <= 0) continue;
       const auto& now = job.is_put_back ? job.fitness : job.first;
       const auto worst = in_whole(job.place, now.worst);
-      if (effort.tries_once) hopeless.push_back(worst);
+      hopeless.push_back(worst);
       missed.push_back(job.is_put_back ? worst : job.face);
     }
   }
@@ -352,12 +351,15 @@ std::vector<SurfaceFace> suspects(Fitting& fitting, std::vector<Face> before) {
 
 std::int64_t fit_faces(Complex& complex, const Materials& materials, const RepairSettings& repairing,
                        const FitSettings& settings) {
-  // Most places need little, and work that some waste others lack. What resists needs something else, not more.
+  // Most places need little, and work that some waste others lack: each way once, then more. What resists needs
+  // something else, not more of the same.
   constexpr std::array efforts{
-      Effort{.rings = 2, .most_tries = 10, .seed = 0, .takes_halves = false, .spares_faces = true, .tries_once = false},
-      Effort{.rings = 3, .most_tries = 10, .seed = 0, .takes_halves = false, .spares_faces = true, .tries_once = true},
-      Effort{.rings = 3, .most_tries = 20, .seed = 1, .takes_halves = true, .spares_faces = false, .tries_once = true},
-      Effort{.rings = 4, .most_tries = 30, .seed = 2, .takes_halves = true, .spares_faces = true, .tries_once = true}};
+      Effort{.rings = 2, .most_tries = 5, .seed = 0, .takes_halves = false, .spares_faces = true},
+      Effort{.rings = 2, .most_tries = 10, .seed = 3, .takes_halves = false, .spares_faces = true},
+      Effort{.rings = 3, .most_tries = 10, .seed = 0, .takes_halves = false, .spares_faces = true},
+      Effort{.rings = 3, .most_tries = 20, .seed = 1, .takes_halves = true, .spares_faces = false},
+      Effort{.rings = 4, .most_tries = 20, .seed = 2, .takes_halves = true, .spares_faces = true},
+      Effort{.rings = 3, .most_tries = 20, .seed = 4, .takes_halves = true, .spares_faces = true}};
   constexpr std::size_t usual_cells = 1'500'000;
   const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
   Fitting fitting{&complex, &materials, &repairing, &settings, surface_faces(complex), {}, 0};

@@ -193,15 +193,15 @@ void weigh_normals(double share, AngleSamples& samples) {
     for (std::size_t axis = facing; axis < f.size(); ++axis) f[axis] *= share;
 }
 
-double facing_difference(const AngleSamples& samples, const std::vector<WallFeature>& places) {
+double facing_difference(const AngleSamples& samples, const std::vector<WallFeature>& features) {
   AngleSamples unaware{samples.feature, {}};
   weigh_normals(0, unaware);
-  std::vector<WallFeature> sought = places;
+  std::vector<WallFeature> sought = features;
   for (WallFeature& f : sought) std::fill(f.begin() + facing, f.end(), 0.0);
   const auto nearest = nearest_samples(unaware, sought);
-  std::vector<double> off(places.size());
+  std::vector<double> off(features.size());
   for (std::size_t n = 0; n < off.size(); ++n)
-    off[n] = norm(normal_of(places[n]) - normal_of(samples.feature[nearest[n]]));
+    off[n] = norm(normal_of(features[n]) - normal_of(samples.feature[nearest[n]]));
   const auto half = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
   std::nth_element(off.begin(), half, off.end());
   return *half;

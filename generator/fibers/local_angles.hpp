@@ -38,9 +38,9 @@ struct AngleSamples {
   std::vector<atlas::AxisTensor> tensor;  ///< dyad of the axis in (circumferential, longitudinal, normal)
 };
 
-/// Median distance (about radians) of the places' normals from those of the nearest samples, wherever these face. Both
-/// by place. Neither may be empty.
-double facing_difference(const AngleSamples& samples, const std::vector<WallFeature>& places);
+/// Median distance (about radians) of the features' normals from those of the nearest samples, wherever these face.
+/// Both by place. Neither may be empty.
+double facing_difference(const AngleSamples& samples, const std::vector<WallFeature>& features);
 
 /// Normals count `share` times as much as before.
 void weigh_normals(double share, AngleSamples& samples);

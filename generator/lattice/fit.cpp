@@ -245,7 +245,8 @@ void fit(std::vector<Job>& jobs, const Trial& trial, const std::vector<Face>& ho
   for (auto& job : jobs) active.push_back(&job);
   for_each_job(active, [&](Job& job) { begin(job, trial); });
   for (auto& job : jobs)
-    if (std::ranges::find(hopeless, in_whole(job.place, job.first.worst)) != hopeless.end()) job.left = 0;
+    if (job.is_active() && std::ranges::find(hopeless, in_whole(job.place, job.first.worst)) != hopeless.end())
+      job.left = 0;
   for (;;) {
     std::erase_if(active, [](const Job* job) { return !job->is_active(); });
     if (active.empty()) return;

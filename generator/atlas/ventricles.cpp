@@ -161,19 +161,38 @@ PartShares part_shares(const std::map<std::uint8_t, Volume<float>>& of_parts, co
           sum_of({Part::lv_wall, Part::lv_cavity, Part::rv_wall, Part::rv_cavity})};
 }
 
-/// Direction of the left ventricle's largest extent, from the blood's side (base) to the wall's side (apex).
+bool is_wall_region(std::uint8_t label) { return is_myocardium(static_cast<Region>(label)); }
+
+/// Where the left ventricle's blood is open: it touches what is neither blood of its own nor wall.
+std::vector<Vec3> open_places(const LabelVolume& labels) {
+  const Grid& g = labels.grid;
+  const auto is_open_to = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return g.contains(i, j, k) && labels(i, j, k) != tag(Region::lv_blood) && !is_wall_region(labels(i, j, k));
+  };
+  std::vector<Vec3> places;
+  for (std::int64_t k = 0; k < g.size[2]; ++k)
+    for (std::int64_t j = 0; j < g.size[1]; ++j)
+      for (std::int64_t i = 0; i < g.size[0]; ++i)
+        if (labels(i, j, k) == tag(Region::lv_blood) && std::any_of(faces.begin(), faces.end(), [&](const auto& s) {
+              return is_open_to(i + s[0], j + s[1], k + s[2]);
+            }))
+          places.push_back(voxel_center(g, g.offset(i, j, k)));
+  return places;
+}
+
+/// Direction of the left ventricle's largest extent, from its open side (base) to the apex. (Where most of the wall is
+/// does not tell: a thick septum and the outflow tract can outweigh the apex.)
 Vec3 rough_axis(const LabelVolume& labels) {
-  std::vector<Vec3> wall, blood;
-  for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
-    const auto label = labels.voxels[v];
-    if (label != tag(Region::lv_myocardium) && label != tag(Region::lv_blood)) continue;
-    (label == tag(Region::lv_blood) ? blood : wall).push_back(voxel_center(labels.grid, static_cast<std::int64_t>(v)));
-  }
+  std::vector<Vec3> blood;
+  for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+    if (labels.voxels[v] == tag(Region::lv_blood))
+      blood.push_back(voxel_center(labels.grid, static_cast<std::int64_t>(v)));
   const Vec3 middle = mean_of(blood);
   AxisTensor spread;
   for (const Vec3& p : blood) spread += axis_tensor(p - middle);
   const Vec3 axis = leading_axis(spread);
-  return dot(axis, mean_of(wall) - middle) < 0 ? -axis : axis;
+  const auto open = open_places(labels);
+  return !open.empty() && dot(axis, mean_of(open) - middle) > 0 ? -axis : axis;
 }
 
 Vec3 patient_base_point(const LabelVolume& labels, const Landmarks& landmarks, const Vec3& axis) {

@@ -71,6 +71,24 @@ TEST(HeartHandedness, TellsAMirroredHeartWhateverItsPose) {
   }
 }
 
+// As in a cardiac CT whose septum and outflow tract outweigh the apex: its axis pointed to the base, and a heart that
+// points the wrong way looks mirrored.
+TEST(VentricularFrame, PointsToTheApexWhereverMostOfTheWallIs) {
+  constexpr double heavy_mm = 28;
+  auto heart = labelled_heart(0, 3);
+  const auto plain = atlas::ventricles_of_labels(heart.labels, heart.landmarks, 3).frame;
+  const Vec3 valve = heart.landmarks.valves.at("aortic").center_mm;
+  for (std::int64_t v = 0; v < heart.labels.grid.voxel_count(); ++v) {
+    auto& label = heart.labels.voxels[static_cast<std::size_t>(v)];
+    const bool is_outside_heart = !is_blood(static_cast<Region>(label)) && !is_myocardium(static_cast<Region>(label));
+    if (is_outside_heart && norm(atlas::voxel_center(heart.labels.grid, v) - valve) < heavy_mm)
+      label = tag(Region::lv_myocardium);
+  }
+  const auto heavy = atlas::ventricles_of_labels(heart.labels, heart.landmarks, 3).frame;
+  EXPECT_GT(dot(plain.long_axis, heart.landmarks.lv_apex_mm.value() - valve), 0);
+  EXPECT_GT(dot(heavy.long_axis, plain.long_axis), 0.9);
+}
+
 TEST(HeartHandedness, AMirroredPatientIsRefusedByName) {
   const auto heart = labelled_heart(0, 3);
   const auto fiber_at = [&](const Vec3& p) { return datasets::fiber_at(heart.model, p); };

@@ -186,8 +186,10 @@ namespace {
 // Corners (bits 0-3), edges (4-9) and faces (10-13) of a tetrahedron, by their places in the cell.
 constexpr std::array<std::array<std::size_t, 2>, 6> edge_ends{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
-// Five walls and chambers meet where atria, ventricles and a great vessel do; every set of them is looked at.
-constexpr std::size_t most_labels = 6;
+// Five walls and chambers meet where atria, ventricles and a great vessel do, and the outside; every set of them is
+// looked at.
+constexpr std::size_t most_labels = 7;
+constexpr int outside = 0;
 
 /// What the other cells around a cell share with it, per label: which of its corners, edges and faces.
 struct Contacts {
@@ -207,10 +209,30 @@ std::uint32_t shared_parts(const Cell& cell, const Cell& other) {
   return parts;
 }
 
+// What the outside and the sides of the box share with a cell. Of edges whose ring is not seen, it is assumed.
+std::uint32_t outer_parts(const Complex& c, const Cell& cell) {
+  std::uint32_t parts = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    if ((c.bits(cell[i]) & (side_bits | bit_of(outside))) != 0) parts |= 1U << i;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [i, j] = edge_ends[e];
+    if ((parts >> i & parts >> j & 1U) == 0) continue;
+    const auto ring = ring_around(c, cell[i], cell[j]);
+    if (ring.size == 0 || ring.is_open) parts |= 1U << (4 + e);
+  }
+  for (std::size_t f = 0; f < 4; ++f)
+    if (cells_at_face(c, cell[(f + 1) % 4], cell[(f + 2) % 4], cell[(f + 3) % 4])[1] < 0) parts |= 1U << (10 + f);
+  return parts;
+}
+
 // Empty where more labels meet than there is room for.
 Contacts contacts_of(const Complex& c, std::int32_t id) {
   Contacts contacts;
   const Cell cell = c.cell(id);
+  if (const auto parts = outer_parts(c, cell); parts != 0) {
+    contacts.labels[contacts.count] = outside;
+    contacts.parts[contacts.count++] = parts;
+  }
   for (const auto n : cell)
     for (const auto t : c.star(n)) {
       if (t == id) continue;
@@ -239,7 +261,8 @@ bool is_disc(std::uint32_t parts) {
 }
 
 // No set of labels changes its topology when the cell goes from `own` to `other`: not the two, not together with any
-// of the labels around.
+// of the labels around or the outside. (A set can keep its own where its complement does not: inside a region that
+// reaches the outside in an edge, a cell of another label parts the region there.)
 bool keeps_topology(const Contacts& contacts, int own, int other) {
   for (std::uint32_t set = 1; set < 1U << contacts.count; ++set) {
     bool has_own = false, has_other = false;
@@ -271,7 +294,6 @@ void give_label(Complex& c, std::int32_t id, int label) {
 
 }  // namespace
 
-// The outside has no cells to look at, and need not: what a set keeps, its complement keeps too.
 bool relabel(Complex& c, std::int32_t id, int label) {
   if (has_frozen_node(c, c.cell(id))) return false;
   const auto contacts = contacts_of(c, id);
@@ -292,7 +314,8 @@ bool relabel_tip(Complex& c, std::int32_t id) {
   int other = -1, most_faces = 0;
   for (std::size_t i = 0; i < contacts.count; ++i) {
     const int faces = std::popcount(contacts.parts[i] >> 10U);
-    if (contacts.labels[i] == own || faces <= most_faces || !keeps_topology(contacts, own, contacts.labels[i]))
+    if (contacts.labels[i] == own || contacts.labels[i] == outside || faces <= most_faces ||
+        !keeps_topology(contacts, own, contacts.labels[i]))
       continue;
     other = contacts.labels[i];
     most_faces = faces;

@@ -103,6 +103,47 @@ TEST(Relabel, OnlyToALabelOfTheNeighbours) {
   EXPECT_EQ(c.label_of(cell), 2);
 }
 
+// A ball of one material reaches the outside in an edge of a cell: as another material, which its neighbour is, the
+// cell would part the ball there.
+TEST(Relabel, NotWhereTheMaterialWouldBePartedAtTheOutside) {
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 6, 1);
+  auto whole = lattice::stuff(m, {});
+  lattice::derive_touches(whole);
+  lattice::compress(whole);
+  std::fill(whole.label.begin(), whole.label.end(), std::uint8_t{2});
+  for (auto& bits : whole.touches) bits = (bits & lattice::bit_of(0)) | lattice::bit_of(2);
+  const auto is_outer = [&](std::int32_t n) { return (whole.bits(n) & lattice::bit_of(0)) != 0; };
+  int at_edges = 0, inside = 0;
+  for (std::int32_t t = 0; t < static_cast<std::int32_t>(whole.cells.size()); ++t) {
+    const Cell cell = whole.cell(t);
+    const auto outer_nodes = std::count_if(cell.begin(), cell.end(), is_outer);
+    if (outer_nodes != 0 && outer_nodes != 2) continue;
+    // The neighbour beyond the face that lacks an outer node, if there is one.
+    const auto corner =
+        outer_nodes == 0 ? 0U : static_cast<std::size_t>(std::ranges::find_if(cell, is_outer) - cell.begin());
+    const auto pair =
+        lattice::cells_at_face(whole, cell[(corner + 1) % 4], cell[(corner + 2) % 4], cell[(corner + 3) % 4]);
+    if (pair[1] < 0) continue;
+    auto c = whole;
+    const auto neighbour = pair[0] == t ? pair[1] : pair[0];
+    c.label[static_cast<std::size_t>(neighbour)] = 1;
+    for (const auto n : c.cell(neighbour)) c.touches[static_cast<std::size_t>(n)] |= lattice::bit_of(1);
+    const bool is_done = lattice::relabel(c, t, 1);
+    if (outer_nodes == 0) {
+      ++inside;
+      EXPECT_TRUE(is_done) << t;
+    } else {
+      std::array<std::int32_t, 2> ends{};
+      std::copy_if(cell.begin(), cell.end(), ends.begin(), is_outer);
+      if (!lattice::ring_around(whole, ends[0], ends[1]).is_open) continue;
+      ++at_edges;
+      EXPECT_FALSE(is_done) << t;
+    }
+  }
+  EXPECT_GT(at_edges, 0);
+  EXPECT_GT(inside, 0);
+}
+
 TEST(Relabel, NotWhereMoreMaterialsMeetThanAreLookedAt) {
   auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 7, 1);
   auto c = lattice::stuff(m, {});

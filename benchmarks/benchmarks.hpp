@@ -12,10 +12,11 @@ namespace heart::benchmarks {
 struct Settings {
   Index3 size{512, 512, 199};  ///< of the images that `ranks`, `segment` and `epicardium` work on
   Vec3 spacing_mm{0.5, 0.5, 1.2};
-  int repeats = 7;     ///< of the short ones, of which the median counts
-  int threads = 2;     ///< most threads that are used
-  std::string labels;  ///< label map for the mesh benchmarks; empty: a phantom's
-  int variant = 0;     ///< of that phantom
+  int repeats = 7;           ///< of the short ones, of which the median counts
+  int threads = 2;           ///< most threads that are used
+  std::string labels;        ///< label map for the mesh benchmarks; empty: a phantom's
+  int variant = 0;           ///< of that phantom
+  double heart_edge_mm = 0;  ///< of `mesh-myocardium` and `mesh-heart`; 0: for about 1.25 million cells in the walls
 };
 
 struct Benchmark {

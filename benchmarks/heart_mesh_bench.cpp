@@ -34,7 +34,8 @@ LabelVolume labels_of(const Settings& settings) {
 }
 
 /// Edges for as many cells in the walls; the share of what thin walls add is about the same in all hearts.
-double heart_edge_for(const LabelVolume& labels) {
+double heart_edge_for(const LabelVolume& labels, const Settings& asked) {
+  if (asked.heart_edge_mm > 0) return asked.heart_edge_mm;
   constexpr double cells_per_cubed_edge = 8.93;
   double volume_mm3 = 0;
   for (const auto label : labels.voxels)
@@ -112,10 +113,10 @@ void add_cgal(Table& table, const char* bench, const mesh::WallLevelSets& walls,
 }
 
 // With the blood: it tells the endocardium of each chamber from the epicardium, and thin walls keep both their faces.
-void add_heart(Table& table, const LabelVolume& labels) {
+void add_heart(Table& table, const LabelVolume& labels, const Settings& asked) {
   const char* bench = "mesh-heart";
   MeshSettings settings;
-  settings.heart_edge_mm = heart_edge_for(labels);
+  settings.heart_edge_mm = heart_edge_for(labels, asked);
   const auto heart = mesh::heart_only(labels);
   const auto domain = mesh::make_domain(heart, settings);
   TetMesh mesh;
@@ -143,7 +144,7 @@ Table bench_mesh_myocardium(const Settings& settings, const parallel::Comm& comm
   parallel::set_thread_count(settings.threads);
   const auto labels = labels_of(settings);
   MeshSettings mesh_settings;
-  mesh_settings.heart_edge_mm = heart_edge_for(labels);
+  mesh_settings.heart_edge_mm = heart_edge_for(labels, settings);
   const auto walls = mesh::wall_level_sets(labels, mesh_settings);
   const double our_cells_per_second = add_walls(table, bench, walls, mesh_settings);
   parallel::set_thread_count(1);  // as many as CGAL uses: processor time is divided by them
@@ -156,7 +157,7 @@ Table bench_mesh_heart(const Settings& settings, const parallel::Comm& comm) {
   Table table;
   if (!comm.is_root()) return table;
   parallel::set_thread_count(settings.threads);
-  add_heart(table, labels_of(settings));
+  add_heart(table, labels_of(settings), settings);
   return table;
 }
 

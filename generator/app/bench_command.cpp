@@ -57,8 +57,8 @@ benchmarks::Table watched(const Benchmark& bench, std::size_t n, std::size_t cou
 }  // namespace
 
 int bench_command(const BenchCommand& command, const parallel::Comm& comm) {
-  const benchmarks::Settings settings{command.size,    command.spacing_mm, command.repeats,
-                                      command.threads, command.labels,     command.variant};
+  const benchmarks::Settings settings{command.size,   command.spacing_mm, command.repeats,      command.threads,
+                                      command.labels, command.variant,    command.heart_edge_mm};
   benchmarks::count_processor_time(command.processor_time);
   Json all = Json::array();
   const auto list = chosen(command.names);

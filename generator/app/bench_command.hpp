@@ -14,8 +14,9 @@ struct BenchCommand {
   Vec3 spacing_mm{0.5, 0.5, 1.2};
   int repeats = 7;
   int threads = 2;
-  std::string labels;  ///< label map for the mesh benchmarks; empty: a phantom's
-  int variant = 0;     ///< of that phantom
+  std::string labels;        ///< label map for the mesh benchmarks; empty: a phantom's
+  int variant = 0;           ///< of that phantom
+  double heart_edge_mm = 0;  ///< in the walls; 0: for about 1.25 million cells
   bool processor_time = false;
   bool json = false;
 };

@@ -64,6 +64,9 @@ void add_bench(Program& p) {
                   "label map for mesh-myocardium, -heart, -torso, -vessels and -slice (default: a phantom's)");
   sub->add_option("--variant", p.bench.variant, "of the phantom that they are made from otherwise (default 0)")
       ->check(CLI::NonNegativeNumber);
+  sub->add_option("--heart-edge", p.bench.heart_edge_mm,
+                  "mm, in the walls of mesh-myocardium and mesh-heart (default: for about 1.25 million cells)")
+      ->check(CLI::PositiveNumber);
   sub->add_flag("--processor-time", p.bench.processor_time,
                 "count processor time over threads, where the machine does other things meanwhile");
   sub->add_flag("--json", p.bench.json, "print as JSON");

@@ -12,7 +12,7 @@ namespace heart::mesh {
 namespace {
 
 // Greater distances nobody asks for: nodes are looked for within an edge or two, rolling balls within their radius.
-float band_of(double thinnest_mm) { return static_cast<float>(3 * std::max(1.0, thinnest_mm)); }
+float band_of(double narrowest_mm) { return static_cast<float>(3 * std::max(1.0, narrowest_mm)); }
 
 // The grid of the domain with each voxel divided into parts of about `voxel_mm`.
 Grid finer_grid(const Grid& grid, double voxel_mm) {
@@ -69,15 +69,17 @@ void roll(LevelSet& distance, float radius_mm, float side, float band_mm) {
 
 }  // namespace
 
-LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, double thinnest_mm) {
+LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, const Narrowest& narrowest) {
   constexpr double blur_mm = 0.4;
-  const auto radius = static_cast<float>(thinnest_mm / 2), band = band_of(thinnest_mm);
+  const auto wall_radius = static_cast<float>(narrowest.wall_mm / 2);
+  const auto gap_radius = static_cast<float>(narrowest.gap_mm / 2);
+  const auto band = band_of(std::max(narrowest.wall_mm, narrowest.gap_mm));
   const auto surfaces = heart_surfaces(domain, voxel_mm, band);
   LevelSet level_set(surfaces[0].grid);
   for (std::size_t v = 0; v < level_set.voxels.size(); ++v)
     level_set.voxels[v] = std::max({surfaces[0].voxels[v], surfaces[1].voxels[v], surfaces[2].voxels[v]});
-  roll(level_set, radius, -1, band);
-  roll(level_set, radius, 1, band);
+  roll(level_set, gap_radius, -1, band);
+  roll(level_set, wall_radius, 1, band);
   const auto& spacing = level_set.grid.spacing_mm;
   smooth(level_set, gaussian_kernels({blur_mm / spacing.x, blur_mm / spacing.y, blur_mm / spacing.z}));
   return level_set;

@@ -4,11 +4,15 @@
 
 namespace heart::mesh {
 
-/// Signed distance (mm, negative inside, up to 3 mm or three times `thinnest_mm`) of all walls of the heart together,
-/// on voxels of about `voxel_mm`: zero where the domain's walls end. But gaps narrower than `thinnest_mm` are closed,
-/// fins thinner than it go, and rims become round: a ball of that diameter rolls along the outside and then along the
-/// inside.
-LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, double thinnest_mm);
+/// What is narrower than these a mesh is not asked to follow.
+struct Narrowest {
+  double wall_mm = 1, gap_mm = 1;
+};
+
+/// Signed distance (mm, negative inside, up to 3 mm or three times the wider of `narrowest`) of all walls of the heart
+/// together, on voxels of about `voxel_mm`: zero where the domain's walls end. But narrower gaps are closed, narrower
+/// fins go, and rims become round: a ball rolls along the outside and then one along the inside.
+LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, const Narrowest& narrowest);
 
 /// Signed distance (mm, negative inside) to a mask, smoothed by `smoothing_mm`, at least by 1.3 voxels.
 LevelSet smooth_distance(const Mask& mask, double smoothing_mm);

@@ -24,9 +24,10 @@ namespace {
 
 constexpr double voxel_mm = 0.5;        // of the solid
 constexpr double junction_edges = 1.5;  // junctions of walls are smoothed by so much
-constexpr double thinnest_mm = 1,
-                 thinnest_edges = 0.8;  // of walls and gaps: sheets nearer could pass through each other
-constexpr std::int64_t margin = 8;      // voxels around the walls
+// Sheets nearer than these could pass through each other. The end of a gap is as round as the gap is wide: in narrower
+// ones than an edge or so, between papillary muscles and at the grooves' bottoms, no face fits.
+constexpr double narrowest_mm = 1, thinnest_wall_edges = 0.8, narrowest_gap_edges = 1.2;
+constexpr std::int64_t margin = 8;  // voxels around the walls
 constexpr std::int64_t crumb_cells = 30;
 
 bool is_wall(std::uint8_t label) { return is_myocardium(static_cast<Region>(label)); }
@@ -245,7 +246,9 @@ WallLevelSets wall_level_sets(const LabelVolume& labels, const MeshSettings& set
   if (box.empty()) throw UserError("the label map has no wall of the heart", "mesh", "give one with walls");
   WallLevelSets walls;
   walls.domain = make_domain(crop(labels, box), settings);
-  walls.solid = wall_level_set(walls.domain, voxel_mm, std::max(thinnest_mm, thinnest_edges * settings.heart_edge_mm));
+  walls.solid = wall_level_set(walls.domain, voxel_mm,
+                               {.wall_mm = std::max(narrowest_mm, thinnest_wall_edges * settings.heart_edge_mm),
+                                .gap_mm = std::max(narrowest_mm, narrowest_gap_edges * settings.heart_edge_mm)});
   for (const auto& share : walls.domain.shares) {
     if (!is_wall(share.label)) continue;
     walls.labels.push_back(share.label);

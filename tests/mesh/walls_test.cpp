@@ -27,7 +27,10 @@ LabelVolume thin_ball() {
   });
 }
 
-LevelSet thin_wall() { return mesh::wall_level_set(mesh::make_domain(thin_ball(), 0.8), 0.5, thinnest_mm); }
+LevelSet thin_wall() {
+  return mesh::wall_level_set(mesh::make_domain(thin_ball(), 0.8), 0.5,
+                              {.wall_mm = thinnest_mm, .gap_mm = thinnest_mm});
+}
 
 TEST(WallLevelSet, ThinWallKeepsBothItsSurfaces) {
   const auto solid = thin_wall();
@@ -49,6 +52,25 @@ TEST(WallLevelSet, ThinWallKeepsBothItsSurfaces) {
     EXPECT_GT(at(middle_mm + 2), 0);
   }
   EXPECT_EQ(holes, 0);
+}
+
+// A block with a slot, as between a papillary muscle and its wall, and a fin as thick as the slot is wide.
+TEST(WallLevelSet, ClosesNarrowGapsAndKeepsWallsAsThin) {
+  constexpr double half_mm = 1.6;
+  const auto labels = label_cube(44, 1, [](const Vec3& p) {
+    const bool is_block = std::abs(p.x) < 12 && std::abs(p.y) < 12 && p.z < 4 && p.z > -12;
+    const bool is_slot = std::abs(p.x) < half_mm && p.z > -6;
+    const bool is_fin = std::abs(p.x - 8) < half_mm && std::abs(p.y) < 12 && p.z > 0 && p.z < 12;
+    return (is_block && !is_slot) || is_fin ? Region::lv_myocardium : Region::none;
+  });
+  const auto domain = mesh::make_domain(labels, 0.8);
+  const Vec3 in_slot{0, 0, -2}, in_fin{8, 0, 8};
+  for (const double gap_mm : {1.0, 6.0}) {
+    const auto solid = mesh::wall_level_set(domain, 0.5, {.wall_mm = 1, .gap_mm = gap_mm});
+    const auto at = [&](const Vec3& p) { return sample_linear(solid, index_from_lps(solid.grid, p)); };
+    EXPECT_EQ(at(in_slot) < 0, gap_mm > 2 * half_mm) << gap_mm;
+    EXPECT_LT(at(in_fin), 0) << gap_mm;
+  }
 }
 
 // Two shells side by side, the left one with an atrium on its blood.

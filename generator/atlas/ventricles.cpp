@@ -161,13 +161,12 @@ PartShares part_shares(const std::map<std::uint8_t, Volume<float>>& of_parts, co
           sum_of({Part::lv_wall, Part::lv_cavity, Part::rv_wall, Part::rv_cavity})};
 }
 
-bool is_wall_region(std::uint8_t label) { return is_myocardium(static_cast<Region>(label)); }
-
 /// Where the left ventricle's blood is open: it touches what is neither blood of its own nor wall.
 std::vector<Vec3> open_places(const LabelVolume& labels) {
   const Grid& g = labels.grid;
   const auto is_open_to = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return g.contains(i, j, k) && labels(i, j, k) != tag(Region::lv_blood) && !is_wall_region(labels(i, j, k));
+    return g.contains(i, j, k) && labels(i, j, k) != tag(Region::lv_blood) &&
+           !is_myocardium(static_cast<Region>(labels(i, j, k)));
   };
   std::vector<Vec3> places;
   for (std::int64_t k = 0; k < g.size[2]; ++k)

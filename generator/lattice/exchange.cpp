@@ -295,7 +295,7 @@ void give_label(Complex& c, std::int32_t id, int label) {
 }  // namespace
 
 bool relabel(Complex& c, std::int32_t id, int label) {
-  if (has_frozen_node(c, c.cell(id))) return false;
+  if (label == outside || has_frozen_node(c, c.cell(id))) return false;
   const auto contacts = contacts_of(c, id);
   const auto* end = contacts.labels.begin() + contacts.count;
   if (std::find(contacts.labels.begin(), end, label) == end || !keeps_topology(contacts, c.label_of(id), label))

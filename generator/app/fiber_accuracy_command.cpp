@@ -175,7 +175,7 @@ Json row_of(const RowName& name, const Errors& lv, const Errors& rv, double seco
 void print_row(const Json& r) {
   const auto value = [&](const char* key) { return r[key].get<double>(); };
   const auto text = [&](const char* key) { return r[key].get<std::string>(); };
-  fmt::print("{:8} {:8} {:8} {:12} {:9} {:6.2f} {:6.1f} {:6.0f}   {:6.2f} {:6.1f} {:6.0f}   {:6.1f}\n", text("case"),
+  fmt::print("{:8} {:8} {:8} {:12} {:9} {:6.2f} {:6.2f} {:6.0f}   {:6.2f} {:6.2f} {:6.0f}   {:6.1f}\n", text("case"),
              text("field"), text("atlas_frame"), text("method"), text("at"), value("lv_mean_deg"), value("lv_p95_deg"),
              100 * value("lv_cover"), value("rv_mean_deg"), value("rv_p95_deg"), 100 * value("rv_cover"),
              value("seconds"));

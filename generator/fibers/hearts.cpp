@@ -112,38 +112,39 @@ void check_patient_handedness(const LabelVolume& labels, const Landmarks& landma
         "that truly is mirrored (situs inversus) needs an atlas of its own");
 }
 
-/// Features of a few thousand voxels all over the patient's right wall.
-std::vector<WallFeature> places_of_right_wall(const Hearts& hearts) {
+/// Features of a few thousand voxels all over one of the patient's walls.
+std::vector<WallFeature> places_of_wall(const Hearts& hearts, const atlas::WallCoordinates& wall) {
   constexpr std::size_t step = 37;  // of the wall's voxels
-  const auto& coordinates = hearts.patient_walls.rv;
   std::vector<WallFeature> places;
   std::size_t passed = 0;
-  for (std::size_t v = 0; v < coordinates.known.voxels.size(); ++v) {
-    if (coordinates.known.voxels[v] != 1 || passed++ % step != 0) continue;
-    const Vec3 position = atlas::voxel_center(coordinates.known.grid, static_cast<std::int64_t>(v));
-    places.push_back(place_feature(atlas_position(hearts.registration, position), coordinates.depth.voxels[v],
-                                   coordinates.bend.voxels[v],
-                                   hearts.registration.rotation * coordinates.normal.voxels[v]));
+  for (std::size_t v = 0; v < wall.known.voxels.size(); ++v) {
+    if (wall.known.voxels[v] != 1 || passed++ % step != 0) continue;
+    const Vec3 position = atlas::voxel_center(wall.known.grid, static_cast<std::int64_t>(v));
+    places.push_back(place_feature(atlas_position(hearts.registration, position), wall.depth.voxels[v],
+                                   wall.bend.voxels[v], hearts.registration.rotation * wall.normal.voxels[v]));
   }
   return places;
 }
 
-/// The right wall folds, at its groove and around its valves, where some mm to the side it faces elsewhere; the left
-/// one is round, and a normal within its 10 mm is a mean over some mm: it tells of the place nothing that is not known.
-/// Where two hearts are shaped so differently that normals at corresponding places differ by more than normals count
-/// in, they count in units of that.
-Both<double> facing_share(const Hearts& hearts) {
-  const auto places = places_of_right_wall(hearts);
+/// Where two hearts are shaped so differently that bends or normals at corresponding places differ by more than they
+/// count in, they count in units of most of that: a heart that is smaller or smoother than the atlas bends nowhere as
+/// that does, and would be looked up at the few places where it does. The right wall folds, at its groove and around
+/// its valves, where some mm to the side it faces elsewhere; the left one is round, and a normal within its 10 mm is a
+/// mean over some mm: it tells of the place nothing that is not known.
+ShapeShares shape_shares(const Hearts& hearts, bool left) {
+  constexpr double most = 0.7;
+  const auto places = places_of_wall(hearts, left ? hearts.patient_walls.lv : hearts.patient_walls.rv);
   if (places.empty()) return {0, 0};
-  const double difference = facing_difference(hearts.by_place.rv, places);
-  return {0, normal_scale / std::max(normal_scale, difference)};
+  const auto difference = shape_difference(left ? hearts.by_place.lv : hearts.by_place.rv, places);
+  const auto share = [](double unit, double differs) { return unit / std::max(unit, most * differs); };
+  return {share(bend_scale, difference.bend), left ? 0 : share(normal_scale, difference.facing)};
 }
 
-void weigh_normals(Hearts& hearts) {
-  hearts.facing_share = facing_share(hearts);
+void weigh_shapes(Hearts& hearts) {
+  hearts.shape_shares = {shape_shares(hearts, true), shape_shares(hearts, false)};
   for (auto* samples : {&hearts.by_place, &hearts.by_coordinates}) {
-    weigh_normals(hearts.facing_share.lv, samples->lv);
-    weigh_normals(hearts.facing_share.rv, samples->rv);
+    weigh_shape(hearts.shape_shares.lv, samples->lv);
+    weigh_shape(hearts.shape_shares.rv, samples->rv);
   }
 }
 
@@ -216,7 +217,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
   hearts.left_of_junction_mm = left_of_junction(hearts.patient);
   hearts.patient_walls = for_both([&](Part wall) { return wall_coordinates(hearts.patient, wall); });
   hearts.patient_centers_mm = angle_centers(hearts.patient);
-  weigh_normals(hearts);
+  weigh_shapes(hearts);
   return hearts;
 }
 
@@ -254,8 +255,8 @@ std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>&
 }
 
 WallFeature feature_in_atlas(const Hearts& hearts, bool left, const Vec3& atlas_mm, const WallPoint& at) {
-  const double share = left ? hearts.facing_share.lv : hearts.facing_share.rv;
-  return place_feature(atlas_mm, at.depth, at.bend, share * (hearts.registration.rotation * at.normal));
+  return weighed(place_feature(atlas_mm, at.depth, at.bend, hearts.registration.rotation * at.normal),
+                 left ? hearts.shape_shares.lv : hearts.shape_shares.rv);
 }
 
 std::vector<AxisTensor> carried_axes(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
@@ -263,19 +264,19 @@ std::vector<AxisTensor> carried_axes(const Hearts& hearts, const PointWalls& wal
   if (method == "jacobian") return push_forward(hearts.atlas, hearts.registration, points_mm);
   std::vector<AxisTensor> axes(points_mm.size());
   for (const bool left : {true, false}) {
-    const double share = left ? hearts.facing_share.lv : hearts.facing_share.rv;
     if (method == "coordinates") {
+      const auto& shares = left ? hearts.shape_shares.lv : hearts.shape_shares.rv;
       const Vec3& center = left ? hearts.patient_centers_mm.lv : hearts.patient_centers_mm.rv;
-      add_carried(
-          left ? hearts.by_coordinates.lv : hearts.by_coordinates.rv, walls, left,
-          [&](std::size_t n, const WallPoint& at) {
-            return coordinate_feature(hearts.patient.frame, center, points_mm[n], at.depth, at.bend, share * at.normal);
-          },
-          axes);
+      const auto feature_at = [&](std::size_t n, const WallPoint& at) {
+        return weighed(coordinate_feature(hearts.patient.frame, center, points_mm[n], at.depth, at.bend, at.normal),
+                       shares);
+      };
+      add_carried(left ? hearts.by_coordinates.lv : hearts.by_coordinates.rv, walls, left, feature_at, axes);
     } else {
-      add_carried(
-          left ? hearts.by_place.lv : hearts.by_place.rv, walls, left,
-          [&](std::size_t n, const WallPoint& at) { return feature_in_atlas(hearts, left, atlas_mm[n], at); }, axes);
+      const auto feature_at = [&](std::size_t n, const WallPoint& at) {
+        return feature_in_atlas(hearts, left, atlas_mm[n], at);
+      };
+      add_carried(left ? hearts.by_place.lv : hearts.by_place.rv, walls, left, feature_at, axes);
     }
   }
   return axes;

@@ -25,7 +25,7 @@ struct Hearts {
   Both<AngleSamples> by_place, by_coordinates;
   Both<std::vector<double>> atlas_depth, atlas_thickness_mm;  ///< per sample: where in its wall, and how thick that is
   Both<atlas::WallCoordinates> patient_walls;
-  Both<double> facing_share;          ///< how much a wall's normal counts in what is looked up, 0 to 1
+  Both<ShapeShares> shape_shares;     ///< by which by_place and by_coordinates are weighed
   Both<Vec3> patient_centers_mm;      ///< what angles go around: the long axis, the right cavity
   Volume<float> left_of_junction_mm;  ///< of the patient
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
+#include <utility>
 
 #include "generator/parallel/threads.hpp"
 
@@ -13,14 +14,15 @@ namespace {
 
 using atlas::AxisTensor;
 constexpr double position_scale_mm = 2.5, depth_scale = 0.06, height_scale = 0.05, angle_scale = 0.15;
-constexpr double bend_scale = 0.08;
-constexpr std::size_t neighbors = 64;
-constexpr double doubtful_off_wall = 0.03;  // squared sine of 10 degrees
-constexpr double farthest = 1;              // from the samples, scaled; a query beyond is looked up at their border
+constexpr std::size_t neighbors = 96;
+constexpr double doubtful_off_wall = 0.06;  // squared sine of 14 degrees
+constexpr double doubtful_residual = 0.3;   // of a dyad, as a norm: 12 degrees off what the samples around say
+constexpr int rounds_of_distrust = 2;
+constexpr double farthest = 1;       // from the samples, scaled; a query beyond is looked up at their border
 constexpr double wide_place = 0.25;  // places count so much where a border is sought: its depth must be the query's
 
-constexpr std::size_t places = 3, fitted = 4;  // of a feature's numbers: where, and where at which depth
-constexpr std::size_t facing = 5;              // from here on: where the wall faces
+constexpr std::size_t places = 3, fitted = 4;   // of a feature's numbers: where, and where at which depth
+constexpr std::size_t bending = 4, facing = 5;  // how much the wall bends; from here on: where it faces
 
 struct FeatureCloud {
   const std::vector<WallFeature>& points;
@@ -106,27 +108,71 @@ class NearestSamples {
 /// and ends of the wall, and so is the angle that was measured in them.
 double trust(const AxisTensor& local) { return 1 / (1 + local.c[2] / doubtful_off_wall); }
 
-/// Value at the query of a weighted linear fit. The slopes are damped, the more the farther the samples are, so that
-/// far from all samples the fit falls back to their mean.
-AxisTensor regressed(const AngleSamples& samples, const WallFeature& query, const std::vector<Neighbor>& near) {
-  constexpr double damping = 0.02;
-  using Row = Eigen::Matrix<double, 5, 1>;
-  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
-  Eigen::Matrix<double, 5, 6> right = Eigen::Matrix<double, 5, 6>::Zero();
-  const double width2 = std::max(1.0, near.front().squared_distance);
-  for (const Neighbor& n : near) {
-    Row row;
-    row(0) = 1;
+constexpr Eigen::Index terms = 8, facing_terms = 5;  // 1, then what is fitted: place, depth; from here on normal
+using Terms = Eigen::Matrix<double, terms, 1>;
+using Dyad = Eigen::Matrix<double, 6, 1>;
+using Fit = Eigen::Matrix<double, terms, 6>;
+
+/// One sample in a regression.
+struct Observation {
+  Terms terms;  ///< off the query
+  Dyad dyad;
+  double weight = 0;  ///< before what the other samples say of it
+  double used = 0;    ///< after
+};
+
+void observe(const AngleSamples& samples, const WallFeature& query, const std::vector<Neighbor>& near, double width2,
+             std::vector<Observation>& observations) {
+  observations.resize(near.size());
+  for (std::size_t n = 0; n < near.size(); ++n) {
+    const WallFeature& feature = samples.feature[near[n].sample];
+    const AxisTensor& tensor = samples.tensor[near[n].sample];
+    Observation& o = observations[n];
+    o.terms(0) = 1;
     for (std::size_t axis = 0; axis < fitted; ++axis)
-      row(static_cast<Eigen::Index>(axis) + 1) = samples.feature[n.sample][axis] - query[axis];
-    const double weight = trust(samples.tensor[n.sample]) * std::exp(-0.5 * n.squared_distance / width2);
-    normal += weight * row * row.transpose();
-    for (std::size_t c = 0; c < 6; ++c)
-      right.col(static_cast<Eigen::Index>(c)) += weight * samples.tensor[n.sample].c[c] * row;
+      o.terms(static_cast<Eigen::Index>(axis) + 1) = feature[axis] - query[axis];
+    for (std::size_t axis = facing; axis < feature.size(); ++axis)
+      o.terms(facing_terms + static_cast<Eigen::Index>(axis - facing)) = feature[axis] - query[axis];
+    o.dyad = Eigen::Map<const Dyad>(tensor.c.data());
+    o.weight = o.used = trust(tensor) * std::exp(-0.5 * near[n].squared_distance / width2);
   }
-  const double ridge = damping * normal(0, 0) * width2;
-  for (Eigen::Index slope = 1; slope < 5; ++slope) normal(slope, slope) += ridge;
-  const Eigen::Matrix<double, 5, 6> fit = normal.ldlt().solve(right);
+}
+
+/// Weighted linear fit. The slopes are damped, the more the farther the samples are, so that far from all samples the
+/// fit falls back to their mean. Along a wall that bends, place and normal say nearly the same: slopes by the normal
+/// are for what the place leaves over, and are damped far more.
+Fit fit_to(const std::vector<Observation>& observations, double width2) {
+  constexpr double damping = 0.01, facing_damping = 0.2;
+  Eigen::Matrix<double, terms, terms> normal = Eigen::Matrix<double, terms, terms>::Zero();
+  Fit right = Fit::Zero();
+  for (const Observation& o : observations) {
+    const Terms weighted = o.used * o.terms;
+    normal.noalias() += weighted * o.terms.transpose();
+    right.noalias() += weighted * o.dyad.transpose();
+  }
+  const double scale = normal(0, 0) * width2;
+  for (Eigen::Index slope = 1; slope < terms; ++slope)
+    normal(slope, slope) += (slope < facing_terms ? damping : facing_damping) * scale;
+  return normal.ldlt().solve(right);
+}
+
+/// What most samples around do not bear out was measured in wrong directions, or belongs to another piece of wall.
+void distrust_outliers(const Fit& fit, std::vector<Observation>& observations) {
+  for (Observation& o : observations) {
+    const Dyad off = fit.transpose() * o.terms - o.dyad;
+    const double squared = off.squaredNorm() + off.tail<3>().squaredNorm();  // entries off the diagonal stand for two
+    o.used = o.weight / (1 + squared / (doubtful_residual * doubtful_residual));
+  }
+}
+
+/// Value at the query of a linear fit to the samples that agree. `observations` is room to work in.
+AxisTensor regressed(const AngleSamples& samples, const WallFeature& query, const std::vector<Neighbor>& near,
+                     std::vector<Observation>& observations) {
+  const double width2 = std::max(1.0, near.front().squared_distance);
+  observe(samples, query, near, width2, observations);
+  for (int round = 0; round < rounds_of_distrust; ++round)
+    distrust_outliers(fit_to(observations, width2), observations);
+  const Fit fit = fit_to(observations, width2);
   AxisTensor result;
   for (std::size_t c = 0; c < 6; ++c) result.c[c] = fit(0, static_cast<Eigen::Index>(c));
   return result;
@@ -150,6 +196,16 @@ WallFeature at_border(const AngleSamples& samples, const Tree& wide, WallFeature
   return query;
 }
 
+Vec3 normal_of(const WallFeature& place) {
+  return normal_scale * Vec3{place[facing], place[facing + 1], place[facing + 2]};
+}
+
+double median(std::vector<double> values) {
+  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), half, values.end());
+  return *half;
+}
+
 AxisTensor in_patient_frame(const AxisTensor& local, const atlas::WallPoint& at) {
   const Vec3 axis = atlas::leading_axis(local);
   return atlas::axis_tensor(normalized(axis.x * at.circumferential + axis.y * at.longitudinal + axis.z * at.normal));
@@ -163,8 +219,6 @@ WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend, const
 }
 
 Vec3 place_of(const WallFeature& place) { return position_scale_mm * Vec3{place[0], place[1], place[2]}; }
-
-Vec3 normal_of(const WallFeature& place) { return normal_scale * Vec3{place[5], place[6], place[7]}; }
 
 WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
                                double depth, double bend, const Vec3& normal) {
@@ -181,30 +235,38 @@ std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std:
   const FeatureCloud cloud{samples.feature};
   const Tree tree(std::tuple_size_v<WallFeature>, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   std::vector<std::size_t> result(features.size());
-  for (std::size_t f = 0; f < features.size(); ++f) {
-    double squared = 0;
-    tree.knnSearch(features[f].data(), 1, &result[f], &squared);
-  }
+  parallel::parallel_for(0, static_cast<std::int64_t>(features.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+      double squared = 0;
+      tree.knnSearch(features[f].data(), 1, &result[f], &squared);
+    }
+  });
   return result;
 }
 
-void weigh_normals(double share, AngleSamples& samples) {
-  for (WallFeature& f : samples.feature)
-    for (std::size_t axis = facing; axis < f.size(); ++axis) f[axis] *= share;
+WallFeature weighed(WallFeature feature, const ShapeShares& shares) {
+  feature[bending] *= shares.bend;
+  for (std::size_t axis = facing; axis < feature.size(); ++axis) feature[axis] *= shares.facing;
+  return feature;
 }
 
-double facing_difference(const AngleSamples& samples, const std::vector<WallFeature>& features) {
+void weigh_shape(const ShapeShares& shares, AngleSamples& samples) {
+  for (WallFeature& f : samples.feature) f = weighed(f, shares);
+}
+
+ShapeDifference shape_difference(const AngleSamples& samples, const std::vector<WallFeature>& features) {
   AngleSamples unaware{samples.feature, {}};
-  weigh_normals(0, unaware);
+  weigh_shape({0, 0}, unaware);
   std::vector<WallFeature> sought = features;
-  for (WallFeature& f : sought) std::fill(f.begin() + facing, f.end(), 0.0);
+  for (WallFeature& f : sought) f = weighed(f, {0, 0});
   const auto nearest = nearest_samples(unaware, sought);
-  std::vector<double> off(features.size());
-  for (std::size_t n = 0; n < off.size(); ++n)
-    off[n] = norm(normal_of(features[n]) - normal_of(samples.feature[nearest[n]]));
-  const auto half = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-  std::nth_element(off.begin(), half, off.end());
-  return *half;
+  std::vector<double> bend(features.size()), normal(features.size());
+  for (std::size_t n = 0; n < features.size(); ++n) {
+    const WallFeature &own = features[n], &there = samples.feature[nearest[n]];
+    bend[n] = std::abs(own[bending] - there[bending]) * bend_scale;
+    normal[n] = norm(normal_of(own) - normal_of(there));
+  }
+  return {median(std::move(bend)), median(std::move(normal))};
 }
 
 std::vector<AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries) {
@@ -215,13 +277,14 @@ std::vector<AxisTensor> carry_local_angles(const AngleSamples& samples, const st
   std::vector<AxisTensor> result(queries.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(queries.size()), [&](std::int64_t begin, std::int64_t end) {
     NearestSamples nearest(samples);
+    std::vector<Observation> observations;
     for (auto q = static_cast<std::size_t>(begin); q < static_cast<std::size_t>(end); ++q) {
       WallFeature at = queries[q].feature;
       if (nearest.of(tree, at).front().squared_distance > farthest * farthest) {
         at = at_border(samples, wide, at);
         nearest.of(tree, at);
       }
-      result[q] = in_patient_frame(regressed(samples, at, nearest.found()), queries[q].at);
+      result[q] = in_patient_frame(regressed(samples, at, nearest.found(), observations), queries[q].at);
     }
   });
   return result;

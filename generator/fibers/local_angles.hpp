@@ -17,17 +17,18 @@ namespace heart::fibers {
 /// the places around, the one where the wall faces the same way is the likelier one.
 using WallFeature = std::array<double, 8>;
 
-/// As far as a wall of 25 mm radius, which is a right ventricle's, turns over 2.5 mm.
-constexpr double normal_scale = 0.1;
+constexpr double bend_scale = 0.06;
+/// As far as a wall of 25 mm radius, which is a right ventricle's, turns over 1.8 mm: less than places count in, so
+/// that of two pieces of wall that differ in both, the one that faces the same way is taken.
+constexpr double normal_scale = 0.07;
 
-/// By place: position in the atlas's frame (in units of 2.5 mm), depth (0.06), bend (0.08) and `atlas_normal` (0.1),
-/// the wall's normal in that frame, shorter where it shall count less.
+/// By place: position in the atlas's frame (in units of 2.5 mm), depth (0.06), bend (0.06) and `atlas_normal` (0.07),
+/// the wall's normal in that frame.
 WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend, const Vec3& atlas_normal);
-Vec3 place_of(const WallFeature& place);   ///< atlas_mm of a place_feature
-Vec3 normal_of(const WallFeature& place);  ///< atlas_normal of a place_feature
+Vec3 place_of(const WallFeature& place);  ///< atlas_mm of a place_feature
 
 /// By coordinates: height along the long axis as a share of the heart's length (0.05), the angle around `center_mm`
-/// (0.15 rad), depth (0.06), bend (0.08) and `normal` in the heart's frame (0.1); comparable between hearts without a
+/// (0.15 rad), depth (0.06), bend (0.06) and `normal` in the heart's frame (0.07); comparable between hearts without a
 /// registration.
 WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
                                double depth, double bend, const Vec3& normal);
@@ -38,12 +39,19 @@ struct AngleSamples {
   std::vector<atlas::AxisTensor> tensor;  ///< dyad of the axis in (circumferential, longitudinal, normal)
 };
 
-/// Median distance (about radians) of the features' normals from those of the nearest samples, wherever these face.
-/// Both by place. Neither may be empty.
-double facing_difference(const AngleSamples& samples, const std::vector<WallFeature>& features);
+/// How much a wall's shape counts in what is looked up, as a share of how much it does between hearts of one shape.
+struct ShapeShares {
+  double bend = 1, facing = 1;
+};
+WallFeature weighed(WallFeature feature, const ShapeShares& shares);
+void weigh_shape(const ShapeShares& shares, AngleSamples& samples);
 
-/// Normals count `share` times as much as before.
-void weigh_normals(double share, AngleSamples& samples);
+/// Medians of how far bends and normals (about radians) of the features differ from those of the samples that are
+/// nearest by place and depth alone. Both by place. Neither may be empty.
+struct ShapeDifference {
+  double bend = 0, facing = 0;
+};
+ShapeDifference shape_difference(const AngleSamples& samples, const std::vector<WallFeature>& features);
 
 /// A point of the patient's wall.
 struct AngleQuery {
@@ -54,9 +62,10 @@ struct AngleQuery {
 /// The sample nearest to each feature. `samples` must not be empty.
 std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features);
 
-/// Dyad of a unit axis per query, in the patient's frame: linear regression of the samples' tensors on the 64 nearest
-/// features; a query farther from all samples is looked up at their border, at its own depth. `samples` must not be
-/// empty. The same bits for any number of threads.
+/// Dyad of a unit axis per query, in the patient's frame: linear regression of the samples' tensors on the 96 nearest
+/// features, by place, depth and normal, in which samples that the others contradict count less; a query farther from
+/// all samples is looked up at their border, at its own depth. `samples` must not be empty. The same bits for any
+/// number of threads.
 std::vector<atlas::AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries);
 
 }  // namespace heart::fibers

@@ -64,6 +64,27 @@ TEST(LocalAngles, SamplesWhoseFiberLeavesTheirWallHardlyCount) {
   EXPECT_LT(axis_angle_deg(carried_at(samples, {0.7, -1.1, 5}, 0.5), along), 3);
 }
 
+TEST(LocalAngles, SamplesThatMostAroundThemContradictHardlyCount) {
+  const Vec3 along{1, 0, 0}, across{std::cos(60 * degree), std::sin(60 * degree), 0};
+  const auto samples = slab([&](int number, double) { return number % 7 == 0 ? across : along; });
+  EXPECT_LT(axis_angle_deg(carried_at(samples, {0.7, -1.1, 5}, 0.5), along), 1);  // 4.5 where all count
+}
+
+TEST(LocalAngles, AnglesThatChangeWithTheWallsNormalAreFollowedBeyondTheSamples) {
+  const auto tilted = [](double tilt_deg) { return Vec3{0, std::sin(tilt_deg * degree), std::cos(tilt_deg * degree)}; };
+  const auto helix = [](double tilt_deg) {
+    return Vec3{std::cos(2 * tilt_deg * degree), std::sin(2 * tilt_deg * degree), 0};
+  };
+  const auto tilt_of = [](int number) { return static_cast<double>(number % 5 - 2); };
+  auto samples = slab([&](int number, double) { return helix(tilt_of(number)); });
+  for (std::size_t n = 0; n < samples.feature.size(); ++n) {
+    const Vec3 place = fibers::place_of(samples.feature[n]);
+    samples.feature[n] = fibers::place_feature(place, place.z / 10, 0, tilted(tilt_of(static_cast<int>(n))));
+  }
+  // 5.4 where normals only choose the samples.
+  EXPECT_LT(axis_angle_deg(carried_at(samples, {0.7, -1.1, 5}, 0.5, 0, tilted(3)), helix(3)), 3.5);
+}
+
 TEST(LocalAngles, WhatWasMeasuredInABendOfTheWallTellsOfBends) {
   constexpr double bent = 0.35, half_width_mm = 3;
   const Vec3 straight{1, 0, 0}, off{std::cos(15 * degree), std::sin(15 * degree), 0};
@@ -98,18 +119,20 @@ TEST(LocalAngles, BesideAFoldTheSideThatFacesTheSameWayIsLookedUp) {
   const double off_mm = 1.5;  // of the place, as a registration leaves it
   EXPECT_LT(axis_angle_deg(carried_at(samples, {off_mm, 0.7, 5}, 0.5, 0, facing_at(-3)), before), 5);
   EXPECT_LT(axis_angle_deg(carried_at(samples, {-off_mm, 0.7, 5}, 0.5, 0, facing_at(3)), behind), 5);
-  fibers::weigh_normals(0, samples);
+  fibers::weigh_shape({1, 0}, samples);
   EXPECT_GT(axis_angle_deg(carried_at(samples, {off_mm, 0.7, 5}, 0.5, 0, {}), before), 20);
 }
 
-TEST(LocalAngles, HowFarNormalsDifferIsTheirMedianAtTheSamePlaces) {
-  const auto samples = slab([](int, double) { return Vec3{1, 0, 0}; });
+TEST(LocalAngles, HowFarShapesDifferIsTheMedianAtTheSamePlaces) {
+  const auto samples = slab([](int, double) { return Vec3{1, 0, 0}; }, [](double) { return 0.2; });
   std::vector<fibers::WallFeature> places;
   for (const double turn_deg : {0.0, 10.0, 20.0, 30.0, 90.0}) {
     const Vec3 normal{0, std::sin(turn_deg * degree), std::cos(turn_deg * degree)};
-    places.push_back(fibers::place_feature({turn_deg / 15, 1, 5}, 0.5, 0, normal));
+    places.push_back(fibers::place_feature({turn_deg / 15, 1, 5}, 0.5, turn_deg / 100, normal));
   }
-  EXPECT_NEAR(fibers::facing_difference(samples, places), 2 * std::sin(10 * degree), 1e-9);
+  const auto difference = fibers::shape_difference(samples, places);
+  EXPECT_NEAR(difference.facing, 2 * std::sin(10 * degree), 1e-9);
+  EXPECT_NEAR(difference.bend, 0.1, 1e-9);
 }
 
 /// Places in no order, on the samples (so that many are equally far), between them and beyond them.

@@ -293,10 +293,11 @@ std::int64_t larger_than(const std::vector<double>& sizes, double least) {
   return std::count_if(sizes.begin(), sizes.end(), [&](double s) { return s > least; });
 }
 
-/// Crumbs do not count: the mesher may drop them, and cut them off thin strands. Around the heart the mesh may be too
-/// coarse for what the label map shows: nothing is judged there (no bounds).
-void add_topology(const Rows& rows, const RegionTopology& mesh, const RegionTopology& labels, double crumb_ml,
-                  const ValidationSettings* bounds) {
+/// Crumbs do not count: the mesher may drop them, and cut them off thin strands. Pieces that touch at edges or corners
+/// of voxels (`separate_ml`: those that do not) may be one in the mesh. Around the heart the mesh may be too coarse for
+/// what the label map shows: nothing is judged there (no bounds).
+void add_topology(const Rows& rows, const RegionTopology& mesh, const RegionTopology& labels,
+                  const std::vector<double>& separate_ml, double crumb_ml, const ValidationSettings* bounds) {
   double volume = 0, label_volume = 0;
   for (const double v : mesh.components_ml) volume += v;
   for (const double v : labels.components_ml) label_volume += v;
@@ -318,7 +319,7 @@ void add_topology(const Rows& rows, const RegionTopology& mesh, const RegionTopo
   count("pieces", pieces);
   count("pieces_of_labels", label_pieces);
   at_most("pieces_added", pieces - all(labels), 0);
-  at_most("pieces_lost", larger_than(labels.components_ml, surely_kept * crumb_ml) - all(mesh), 0);
+  at_most("pieces_lost", larger_than(separate_ml, surely_kept * crumb_ml) - all(mesh), 0);
   count("handles", mesh.handles);
   count("handles_of_labels", labels.handles);
   at_most("handles_added", mesh.handles - labels.handles, bounds != nullptr ? bounds->maximum_handles_added : 0);
@@ -377,8 +378,9 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
     const bool judges = is_myocardium(static_cast<Region>(region)) || is_blood(static_cast<Region>(region));
     const auto most_edges = judges ? std::optional(settings.maximum_surface_distance) : std::nullopt;
     const Rows rows{&report, mesh_name + "/" + region_name(region)};
-    add_topology(rows, topologies[region], region_topology(labels, static_cast<std::uint8_t>(region)),
-                 crumb_ml[static_cast<std::size_t>(region)], judges ? &settings : nullptr);
+    const auto value = static_cast<std::uint8_t>(region);
+    add_topology(rows, topologies[region], region_topology(labels, value), separate_pieces_ml(labels, value),
+                 crumb_ml[value], judges ? &settings : nullptr);
     add_distances(rows, "to_labels", to_labels, region, {});
     add_distances(rows, "from_labels", from_labels, region, most_edges);
   }

@@ -336,6 +336,13 @@ std::vector<std::int64_t> piece_sizes(const VoxelBox& box, std::uint8_t value, s
   return sizes;
 }
 
+std::vector<double> volumes_ml(const std::vector<std::int64_t>& sizes, const Grid& grid) {
+  std::vector<double> volumes;
+  for (const auto size : sizes) volumes.push_back(static_cast<double>(size) * grid.voxel_volume_mm3() / mm3_per_ml);
+  std::sort(volumes.begin(), volumes.end(), std::greater<>());
+  return volumes;
+}
+
 }  // namespace
 
 std::map<std::int32_t, RegionTopology> region_topologies(const TetMesh& mesh, const std::vector<MeshFace>& faces) {
@@ -357,13 +364,16 @@ RegionTopology region_topology(const LabelVolume& labels, std::uint8_t label) {
   RegionTopology topology;
   const auto box = crop(labels, label);
   if (box.inside.empty()) return topology;
-  for (const auto size : piece_sizes(box, 1, 0))
-    topology.components_ml.push_back(static_cast<double>(size) * labels.grid.voxel_volume_mm3() / mm3_per_ml);
-  std::sort(topology.components_ml.begin(), topology.components_ml.end(), std::greater<>());
+  topology.components_ml = volumes_ml(piece_sizes(box, 1, 0), labels.grid);
   topology.cavities = static_cast<std::int64_t>(piece_sizes(box, 0, 1).size()) - 1;
   topology.handles =
       static_cast<std::int64_t>(topology.components_ml.size()) + topology.cavities - euler_characteristic(box);
   return topology;
+}
+
+std::vector<double> separate_pieces_ml(const LabelVolume& labels, std::uint8_t label) {
+  const auto box = crop(labels, label);
+  return box.inside.empty() ? std::vector<double>{} : volumes_ml(piece_sizes(box, 1, 1), labels.grid);
 }
 
 }  // namespace heart::validation

@@ -25,4 +25,8 @@ std::map<std::int32_t, RegionTopology> region_topologies(const TetMesh& mesh, co
 /// The same of the voxels with value `label`; beyond the image is the outside.
 RegionTopology region_topology(const LabelVolume& labels, std::uint8_t label);
 
+/// Volumes (ml) of the pieces of a label that do not even touch each other at edges or corners of voxels, largest
+/// first: smooth surfaces may join what touches.
+std::vector<double> separate_pieces_ml(const LabelVolume& labels, std::uint8_t label);
+
 }  // namespace heart::validation

@@ -1,6 +1,7 @@
 #include "generator/atlas/quadratic_continuation.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "generator/atlas/point_tree.hpp"
@@ -32,17 +33,20 @@ std::optional<QuadraticFit> QuadraticContinuation::operator()(const Vec3& point_
   if (index_->cloud.points.size() < least_samples) return std::nullopt;
   std::vector<std::pair<std::size_t, double>> near;
   const std::array<double, 3> at{point_mm.x, point_mm.y, point_mm.z};
-  index_->tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, true));
+  index_->tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
   if (near.size() < least_samples) return std::nullopt;
+  const double nearest = std::ranges::min_element(near, {}, [](const auto& n) { return n.second; })->second;
   Eigen::Matrix<double, 10, 10> normal = Eigen::Matrix<double, 10, 10>::Zero();
   Eigen::Matrix<double, 10, 2> right = Eigen::Matrix<double, 10, 2>::Zero();
   for (const auto& [n, squared] : near) {
     const Vec3 d = (index_->cloud.points[n] - point_mm) / scale_mm;
     Row row;
     row << 1, d.x, d.y, d.z, d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z;
-    const double weight = std::exp(-0.5 * (squared - near.front().second) / (width_mm * width_mm));
-    normal.noalias() += weight * row * row.transpose();
-    for (int c = 0; c < 2; ++c) right.col(c) += weight * index_->values[n][static_cast<std::size_t>(c)] * row;
+    const double weight = std::exp(-0.5 * (squared - nearest) / (width_mm * width_mm));
+    const Row weighted = weight * row;
+    for (int c = 0; c < 10; ++c)  // its lower half is all that is read
+      for (int r = c; r < 10; ++r) normal(r, c) += weighted(c) * row(r);
+    for (int c = 0; c < 2; ++c) right.col(c) += index_->values[n][static_cast<std::size_t>(c)] * weighted;
   }
   for (int c = 1; c < 10; ++c) normal(c, c) += (c < 4 ? slope_damping : curvature_damping) * normal(0, 0);
   const Eigen::Matrix<double, 10, 2> fit = normal.ldlt().solve(right);

@@ -147,7 +147,8 @@ Fit fit_to(const std::vector<Observation>& observations, double width2) {
   Fit right = Fit::Zero();
   for (const Observation& o : observations) {
     const Terms weighted = o.used * o.terms;
-    normal.noalias() += weighted * o.terms.transpose();
+    for (Eigen::Index c = 0; c < terms; ++c)  // its lower half is all that is read
+      for (Eigen::Index r = c; r < terms; ++r) normal(r, c) += weighted(c) * o.terms(r);
     right.noalias() += weighted * o.dyad.transpose();
   }
   const double scale = normal(0, 0) * width2;

@@ -286,6 +286,23 @@ TEST(ToLabels, TheEdgeOfASharpWedgeIsOnIt) {
   EXPECT_LT(row(report, "mesh/lv_myocardium", "to_labels_max").value, 0.02);
 }
 
+TEST_F(Cubes, PiecesThatTouchAtAnEdgeMayBeOneInTheMesh) {
+  auto split = empty_map(14);
+  fill(split, {1, 1, 1}, {13, 13, 13}, 1);
+  fill(split, {2, 2, 2}, {6, 6, 6}, 6);
+  fill(split, {6, 6, 2}, {10, 10, 6}, 6);
+  auto joined = split;
+  fill(joined, {5, 6, 2}, {6, 7, 6}, 6);
+  const auto lost = [&](const LabelVolume& of_mesh, const LabelVolume& of_labels) {
+    labels = of_labels;
+    return row(check(mesh_of(of_mesh)), "mesh/lv_blood", "pieces_lost").value;
+  };
+  EXPECT_EQ(lost(joined, split), 0);
+  auto apart = split;
+  fill(apart, {6, 6, 2}, {7, 10, 6}, 1);
+  EXPECT_EQ(lost(joined, apart), 1);
+}
+
 TEST_F(Cubes, ALostRegionFails) {
   auto without = labels;
   std::replace(without.voxels.begin(), without.voxels.end(), std::uint8_t{6}, std::uint8_t{1});

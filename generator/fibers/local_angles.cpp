@@ -117,8 +117,8 @@ using Fit = Eigen::Matrix<double, terms, 6>;
 struct Observation {
   Terms terms;  ///< off the query
   Dyad dyad;
-  double weight = 0;  ///< before what the other samples say of it
-  double used = 0;    ///< after
+  double weight = 0;
+  double share = 1;  ///< of its weight, by what the other samples say of it
 };
 
 void observe(const AngleSamples& samples, const WallFeature& query, const std::vector<Neighbor>& near, double width2,
@@ -134,7 +134,8 @@ void observe(const AngleSamples& samples, const WallFeature& query, const std::v
     for (std::size_t axis = facing; axis < feature.size(); ++axis)
       o.terms(facing_terms + static_cast<Eigen::Index>(axis - facing)) = feature[axis] - query[axis];
     o.dyad = Eigen::Map<const Dyad>(tensor.c.data());
-    o.weight = o.used = trust(tensor) * std::exp(-0.5 * near[n].squared_distance / width2);
+    o.share = 1;
+    o.weight = trust(tensor) * std::exp(-0.5 * near[n].squared_distance / width2);
   }
 }
 
@@ -146,7 +147,7 @@ Fit fit_to(const std::vector<Observation>& observations, double width2) {
   Eigen::Matrix<double, terms, terms> normal = Eigen::Matrix<double, terms, terms>::Zero();
   Fit right = Fit::Zero();
   for (const Observation& o : observations) {
-    const Terms weighted = o.used * o.terms;
+    const Terms weighted = o.share * o.weight * o.terms;
     for (Eigen::Index c = 0; c < terms; ++c)  // its lower half is all that is read
       for (Eigen::Index r = c; r < terms; ++r) normal(r, c) += weighted(c) * o.terms(r);
     right.noalias() += weighted * o.dyad.transpose();
@@ -158,12 +159,18 @@ Fit fit_to(const std::vector<Observation>& observations, double width2) {
 }
 
 /// What most samples around do not bear out was measured in wrong directions, or belongs to another piece of wall.
-void distrust_outliers(const Fit& fit, std::vector<Observation>& observations) {
+/// Returns whether that changes the weights by enough to fit again.
+bool distrust_outliers(const Fit& fit, std::vector<Observation>& observations) {
+  constexpr double agrees = 0.9;
+  double most_changed = 1;
   for (Observation& o : observations) {
     const Dyad off = fit.transpose() * o.terms - o.dyad;
     const double squared = off.squaredNorm() + off.tail<3>().squaredNorm();  // entries off the diagonal stand for two
-    o.used = o.weight / (1 + squared / (doubtful_residual * doubtful_residual));
+    const double share = 1 / (1 + squared / (doubtful_residual * doubtful_residual));
+    most_changed = std::min({most_changed, share / o.share, o.share / share});
+    o.share = share;
   }
+  return most_changed < agrees;
 }
 
 /// Value at the query of a linear fit to the samples that agree. `observations` is room to work in.
@@ -171,9 +178,9 @@ AxisTensor regressed(const AngleSamples& samples, const WallFeature& query, cons
                      std::vector<Observation>& observations) {
   const double width2 = std::max(1.0, near.front().squared_distance);
   observe(samples, query, near, width2, observations);
-  for (int round = 0; round < rounds_of_distrust; ++round)
-    distrust_outliers(fit_to(observations, width2), observations);
-  const Fit fit = fit_to(observations, width2);
+  Fit fit = fit_to(observations, width2);
+  for (int round = 0; round < rounds_of_distrust && distrust_outliers(fit, observations); ++round)
+    fit = fit_to(observations, width2);
   AxisTensor result;
   for (std::size_t c = 0; c < 6; ++c) result.c[c] = fit(0, static_cast<Eigen::Index>(c));
   return result;

@@ -332,12 +332,14 @@ std::vector<std::int64_t> piece_sizes(const VoxelBox& box, std::uint8_t value, s
   for (std::size_t s = 0; s < stretches.size(); ++s)
     size_of[sets.root(static_cast<std::int32_t>(s))] += stretches[s].end - stretches[s].begin;
   std::vector<std::int64_t> sizes;
+  sizes.reserve(size_of.size());
   for (const auto& [root, size] : size_of) sizes.push_back(size);
   return sizes;
 }
 
 std::vector<double> volumes_ml(const std::vector<std::int64_t>& sizes, const Grid& grid) {
   std::vector<double> volumes;
+  volumes.reserve(sizes.size());
   for (const auto size : sizes) volumes.push_back(static_cast<double>(size) * grid.voxel_volume_mm3() / mm3_per_ml);
   std::sort(volumes.begin(), volumes.end(), std::greater<>());
   return volumes;

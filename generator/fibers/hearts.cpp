@@ -132,12 +132,11 @@ std::vector<WallFeature> places_of_wall(const Hearts& hearts, const atlas::WallC
 /// its valves, where some mm to the side it faces elsewhere; the left one is round, and a normal within its 10 mm is a
 /// mean over some mm: it tells of the place nothing that is not known.
 ShapeShares shape_shares(const Hearts& hearts, bool left) {
-  constexpr double most = 0.7;
   const auto places = places_of_wall(hearts, left ? hearts.patient_walls.lv : hearts.patient_walls.rv);
   if (places.empty()) return {0, 0};
-  const auto difference = shape_difference(left ? hearts.by_place.lv : hearts.by_place.rv, places);
-  const auto share = [](double unit, double differs) { return unit / std::max(unit, most * differs); };
-  return {share(bend_scale, difference.bend), left ? 0 : share(normal_scale, difference.facing)};
+  auto shares = shares_of(shape_difference(left ? hearts.by_place.lv : hearts.by_place.rv, places));
+  if (left) shares.facing = 0;
+  return shares;
 }
 
 void weigh_shapes(Hearts& hearts) {

@@ -17,11 +17,6 @@ namespace heart::fibers {
 /// the places around, the one where the wall faces the same way is the likelier one.
 using WallFeature = std::array<double, 8>;
 
-constexpr double bend_scale = 0.06;
-/// As far as a wall of 25 mm radius, which is a right ventricle's, turns over 1.8 mm: less than places count in, so
-/// that of two pieces of wall that differ in both, the one that faces the same way is taken.
-constexpr double normal_scale = 0.07;
-
 /// By place: position in the atlas's frame (in units of 2.5 mm), depth (0.06), bend (0.06) and `atlas_normal` (0.07),
 /// the wall's normal in that frame.
 WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend, const Vec3& atlas_normal);
@@ -52,6 +47,10 @@ struct ShapeDifference {
   double bend = 0, facing = 0;
 };
 ShapeDifference shape_difference(const AngleSamples& samples, const std::vector<WallFeature>& features);
+
+/// Shares by which what differs so between two hearts counts in units of most of that difference, where that is more
+/// than it counts in otherwise (then 1).
+ShapeShares shares_of(const ShapeDifference& difference);
 
 /// A point of the patient's wall.
 struct AngleQuery {

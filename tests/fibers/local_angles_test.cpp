@@ -135,6 +135,17 @@ TEST(LocalAngles, HowFarShapesDifferIsTheMedianAtTheSamePlaces) {
   EXPECT_NEAR(difference.bend, 0.1, 1e-9);
 }
 
+TEST(LocalAngles, ShapesCountLessWhereTheyDifferByMoreThanTheyCountIn) {
+  const auto alike = fibers::shares_of({0.01, 0.01}), unlike = fibers::shares_of({0.2, 0.01}),
+             more_so = fibers::shares_of({0.4, 0.8});
+  EXPECT_EQ(alike.bend, 1);
+  EXPECT_EQ(alike.facing, 1);
+  EXPECT_LT(unlike.bend, 0.5);
+  EXPECT_EQ(unlike.facing, 1);
+  EXPECT_NEAR(more_so.bend, unlike.bend / 2, 1e-12);
+  EXPECT_LT(more_so.facing, 0.2);
+}
+
 /// Places in no order, on the samples (so that many are equally far), between them and beyond them.
 std::vector<fibers::AngleQuery> scattered_queries() {
   std::vector<fibers::AngleQuery> queries;

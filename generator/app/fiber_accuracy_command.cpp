@@ -212,7 +212,7 @@ void check_frames(const FiberAccuracyCommand& command) {
 }
 
 struct Carried {
-  std::vector<atlas::AxisTensor> axes;
+  fibers::FittedAxes at;
   double seconds = 0;
 };
 
@@ -220,7 +220,7 @@ Carried carry_to(const fibers::Hearts& hearts, const std::vector<Vec3>& points_m
   const double start_s = now_s();
   const auto walls = fibers::point_walls(hearts, points_mm, std::vector<std::uint8_t>(points_mm.size(), 1));
   Carried carried;
-  carried.axes = fibers::carried_axes(hearts, walls, points_mm, fibers::atlas_positions(hearts, points_mm), method);
+  carried.at = fibers::carried_axes(hearts, walls, points_mm, fibers::atlas_positions(hearts, points_mm), method);
   carried.seconds = now_s() - start_s;
   return carried;
 }
@@ -243,24 +243,24 @@ void add_rows(const FiberCase& patient, HelixField field, const fibers::Hearts& 
   };
   const auto voxels = known_at_voxels(patient, field);
   const auto at_voxels = carry_to(hearts, voxels.points_mm, name.method);
-  row("voxels", voxels, at_voxels.axes, at_voxels.seconds);
+  row("voxels", voxels, at_voxels.at.axes, at_voxels.seconds);
   if (mesh.cells.empty()) return;
   const auto at_nodes = carry_to(hearts, mesh.nodes_mm, name.method);
   std::vector<Vec3> axes;
   axes.reserve(mesh.nodes_mm.size());
-  for (const auto& tensor : at_nodes.axes) axes.push_back(atlas::leading_axis(tensor));
+  for (const auto& tensor : at_nodes.at.axes) axes.push_back(atlas::leading_axis(tensor));
   const auto node_row = [&](const char* at, const std::vector<std::int32_t>& region) {
     const auto known_nodes = known_at_nodes(patient, field, mesh, region);
     row(at, known_nodes, at_sources(known_nodes, axes), at_nodes.seconds);
   };
   node_row("nodes", regions_of_nodes(mesh));
   node_row("own nodes", regions_of_own_nodes(mesh));
-  const auto is_covered = [&](std::int32_t n) { return trace(at_nodes.axes[static_cast<std::size_t>(n)]) > 0; };
+  const auto is_covered = [&](std::int32_t n) { return trace(at_nodes.at.axes[static_cast<std::size_t>(n)]) > 0; };
   for (std::size_t n = 0; n < axes.size(); ++n)
     if (!is_covered(static_cast<std::int32_t>(n))) axes[n] = {1, 0, 0};
   const auto nodes = fibers::node_frames(axes, std::vector<Vec3>(axes.size(), {0, 0, 1}));
   auto cells = fibers::cell_frames(mesh, nodes);
-  fibers::carry_to_steep_cells(hearts, mesh, nodes, name.method, cells);
+  fibers::carry_to_steep_cells(hearts, mesh, nodes, at_nodes.at, name.method, cells);
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     if (!std::ranges::all_of(mesh.cells[c], is_covered)) cells.fiber[c] = {};
   const auto known_cells = known_at_cells(patient, field, mesh);

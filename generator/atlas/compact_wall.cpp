@@ -69,13 +69,26 @@ struct Fit {
 
 using Near = std::vector<std::pair<std::size_t, double>>;  ///< number and squared distance
 
-/// Linear fit around `at`, again and again with less weight to what lies above it.
-Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, const Vec3& at, double ridge_mm) {
+/// One sample in a fit.
+struct Observation {
+  Eigen::Matrix<double, 4, 1> row;  ///< 1, then where it is off the fit's point, in units of the reach
+  double thickness_mm = 0, nearness = 0;
+};
+
+/// Linear fit around `at`, again and again with less weight to what lies above it. `observations` is room to work in.
+Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, const Vec3& at, double ridge_mm,
+              std::vector<Observation>& observations) {
   constexpr int rounds = 8;
   constexpr double slope_damping = 0.02, first_quantile = 0.3, least_weight = 1e-6;
   using Row = Eigen::Matrix<double, 4, 1>;
   std::vector<double> sorted;
-  for (const auto& [n, squared] : near) sorted.push_back(samples[n].thickness_mm);
+  observations.clear();
+  for (const auto& [n, squared] : near) {
+    const Vec3 d = (samples[n].point_mm - at) / reach_mm;
+    const double nearness = 1 - squared / (reach_mm * reach_mm);
+    observations.push_back({Row(1, d.x, d.y, d.z), samples[n].thickness_mm, nearness * nearness});
+    sorted.push_back(samples[n].thickness_mm);
+  }
   const auto chosen =
       sorted.begin() + static_cast<std::ptrdiff_t>(first_quantile * static_cast<double>(near.size() - 1));
   std::nth_element(sorted.begin(), chosen, sorted.end());
@@ -83,14 +96,11 @@ Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, con
   for (int round = 0; round < rounds; ++round) {
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Row right = Row::Zero();
-    for (const auto& [n, squared] : near) {
-      const Vec3 d = (samples[n].point_mm - at) / reach_mm;
-      const Row row(1, d.x, d.y, d.z);
-      const double above = (samples[n].thickness_mm - fit.dot(row)) / ridge_mm;
-      const double nearness = 1 - squared / (reach_mm * reach_mm);
-      const double weight = nearness * nearness * (above > 0 ? std::exp(-0.5 * above * above) + least_weight : 1);
-      normal.noalias() += weight * row * row.transpose();
-      right += weight * samples[n].thickness_mm * row;
+    for (const Observation& o : observations) {
+      const double above = (o.thickness_mm - fit.dot(o.row)) / ridge_mm;
+      const double weight = o.nearness * (above > 0 ? std::exp(-0.5 * above * above) + least_weight : 1);
+      normal.noalias() += weight * o.row * o.row.transpose();
+      right += weight * o.thickness_mm * o.row;
     }
     for (int slope = 1; slope < 4; ++slope) normal(slope, slope) += slope_damping * normal(0, 0);
     fit = normal.ldlt().solve(right);
@@ -106,12 +116,13 @@ Fits floor_fits(const std::vector<ThicknessSample>& samples, const PointTree& tr
   const auto wanted = static_cast<std::int64_t>((fits.size() + samples_per_fit - 1) / samples_per_fit);
   parallel::parallel_for(0, wanted, [&](std::int64_t begin, std::int64_t end) {
     Near near;
+    std::vector<Observation> observations;
     for (std::int64_t fit = begin; fit < end; ++fit) {
       const auto n = static_cast<std::size_t>(fit) * samples_per_fit;
       const Vec3& p = samples[n].point_mm;
       const std::array<double, 3> at{p.x, p.y, p.z};
       tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
-      if (near.size() >= least_near) fits[n] = floor_fit(samples, near, p, ridge_mm);
+      if (near.size() >= least_near) fits[n] = floor_fit(samples, near, p, ridge_mm, observations);
     }
   });
   return fits;

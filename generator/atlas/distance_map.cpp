@@ -43,26 +43,41 @@ Bundle bundle_of(const Grid& grid, int axis, std::int64_t n) {
   return {row * nx + i, nx * ny, nz, 1, count};
 }
 
+/// Lines of the volume into the values of a bundle. Lanes beyond the grid keep what they had.
+void load(const Volume<float>& volume, const Bundle& b, std::vector<float>& values) {
+  const float* const from = volume.voxels.data() + b.start;
+  float* const to = values.data();
+  if (b.between == 1 && b.count == lanes) {
+    for (std::int64_t p = 0; p < b.length; ++p) std::copy_n(from + p * b.stride, lanes, to + p * lanes);
+    return;
+  }
+  for (std::int64_t lane = 0; lane < b.count; ++lane)
+    for (std::int64_t p = 0; p < b.length; ++p) to[p * lanes + lane] = from[p * b.stride + lane * b.between];
+}
+
+void store(const std::vector<float>& values, const Bundle& b, Volume<float>& volume) {
+  const float* const from = values.data();
+  float* const to = volume.voxels.data() + b.start;
+  if (b.between == 1 && b.count == lanes) {
+    for (std::int64_t p = 0; p < b.length; ++p) std::copy_n(from + p * lanes, lanes, to + p * b.stride);
+    return;
+  }
+  for (std::int64_t lane = 0; lane < b.count; ++lane)
+    for (std::int64_t p = 0; p < b.length; ++p) to[p * b.stride + lane * b.between] = from[p * lanes + lane];
+}
+
 /// Replaces all lines along an axis by what per_bundle(in, out, length) makes of them; both hold length * lanes values,
-/// those of lanes beyond the grid are zero.
+/// those of lanes beyond the grid are of any line.
 template <class PerBundle>
 void for_each_bundle(Volume<float>& volume, int axis, PerBundle&& per_bundle) {
   parallel::parallel_for(0, bundle_count(volume.grid, axis), [&](std::int64_t begin, std::int64_t end) {
-    std::vector<float> in, out;
+    std::vector<float> in(static_cast<std::size_t>(volume.grid.size[static_cast<std::size_t>(axis)] * lanes)),
+        out(in.size());
     for (std::int64_t n = begin; n < end; ++n) {
       const Bundle b = bundle_of(volume.grid, axis, n);
-      in.assign(static_cast<std::size_t>(b.length * lanes), 0);
-      out.resize(in.size());
-      const auto at = [&](std::int64_t p, std::int64_t lane) {
-        return static_cast<std::size_t>(b.start + p * b.stride + lane * b.between);
-      };
-      for (std::int64_t p = 0; p < b.length; ++p)
-        for (std::int64_t lane = 0; lane < b.count; ++lane)
-          in[static_cast<std::size_t>(p * lanes + lane)] = volume.voxels[at(p, lane)];
+      load(volume, b, in);
       per_bundle(in, out, b.length);
-      for (std::int64_t p = 0; p < b.length; ++p)
-        for (std::int64_t lane = 0; lane < b.count; ++lane)
-          volume.voxels[at(p, lane)] = out[static_cast<std::size_t>(p * lanes + lane)];
+      store(out, b, volume);
     }
   });
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include "generator/atlas/distance_map.hpp"
@@ -17,6 +18,7 @@
 #include "generator/fibers/rule.hpp"
 #include "generator/fibers/steep_cells.hpp"
 #include "generator/fibers/ventricle_rule.hpp"
+#include "generator/parallel/tasks.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -133,18 +135,34 @@ void set_cells(const RuleField& rule, FiberField& cell) {
   }
 }
 
+struct RuleFields {
+  RuleField ventricles, papillary, left_atrium, right_atrium;
+};
+
+RuleFields rule_fields(const TetMesh& mesh, const NodeKinds& kinds, const atlas::HeartFrame& frame,
+                       const RuleSettings& settings) {
+  RuleFields rules;
+  rules.ventricles = ventricle_rule(mesh, frame, settings);
+  parallel::run_tasks(std::vector<std::function<void()>>{
+      [&] { rules.left_atrium = atrial_rule(mesh, true, settings); },
+      [&] { rules.right_atrium = atrial_rule(mesh, false, settings); },
+      [&] {
+        rules.papillary.nodes = chosen(kinds.papillary);
+        rules.papillary.axes = papillary_axes(mesh, rules.papillary.nodes, frame.long_axis);
+      }});
+  return rules;
+}
+
 /// Papillary muscles, atria, and what the atlas reached in no way; where the rule knows none either, fibres circle the
 /// long axis.
-void set_by_rule(const TetMesh& mesh, const NodeKinds& kinds, const RuleField& ventricles,
-                 const atlas::HeartFrame& frame, const RuleSettings& settings, NodeDirections& directions,
-                 FiberResult& result) {
-  const auto papillary = chosen(kinds.papillary);
-  set_rule({papillary, papillary_axes(mesh, papillary, frame.long_axis)}, kinds.papillary, directions, result);
-  set_rule(atrial_rule(mesh, true, settings), kinds.left_atrium, directions, result);
-  set_rule(atrial_rule(mesh, false, settings), kinds.right_atrium, directions, result);
+void set_by_rule(const TetMesh& mesh, const NodeKinds& kinds, const RuleFields& rules, const atlas::HeartFrame& frame,
+                 NodeDirections& directions, FiberResult& result) {
+  set_rule(rules.papillary, kinds.papillary, directions, result);
+  set_rule(rules.left_atrium, kinds.left_atrium, directions, result);
+  set_rule(rules.right_atrium, kinds.right_atrium, directions, result);
   auto unreached = kinds.ventricle;
   for (std::size_t n = 0; n < unreached.size(); ++n) unreached[n] &= norm(directions.fiber[n]) < 0.5;
-  set_rule(ventricles, unreached, directions, result);
+  set_rule(rules.ventricles, unreached, directions, result);
   for (std::size_t n = 0; n < unreached.size(); ++n) {
     if (norm(directions.fiber[n]) > 0.5) continue;
     directions.fiber[n] = cross(frame.long_axis, radial(frame, mesh.nodes_mm[n]));
@@ -177,7 +195,7 @@ void compare_with_second(const Hearts& hearts, const PointWalls& walls, const st
     first.push_back(atlas::leading_axis(axes[n]));
   }
   const auto second =
-      carried_axes(hearts, chosen, points, positions, method == "coordinates" ? "local_angles" : "coordinates");
+      carried_axes(hearts, chosen, points, positions, method == "coordinates" ? "local_angles" : "coordinates").axes;
   std::vector<double> angles_deg;
   for (std::size_t n = 0; n < points.size(); ++n)
     if (trace(second[n]) > 0)
@@ -240,9 +258,7 @@ FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels,
   check_settings(settings);
   if (mesh.region.size() != mesh.cells.size()) throw std::invalid_argument("carry_fibers: cells without regions");
   PartClock clock;
-  auto image = atlas::image_of_atlas(atlas, settings.depth_grid_mm);
-  clock.done("atlas as an image");
-  const Hearts hearts = prepare_hearts(patient_labels, landmarks, std::move(image), atlas.name, settings);
+  const Hearts hearts = prepare_hearts(patient_labels, landmarks, atlas, settings);
   clock.done("alignment");
   const NodeKinds kinds = node_kinds(mesh);
   const PointWalls walls = point_walls(hearts, mesh.nodes_mm, kinds.ventricle);
@@ -256,28 +272,31 @@ FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels,
   set_atlas_distances(hearts, kinds, atlas_mm, result);
   NodeDirections directions{std::vector<Vec3>(count, {1, 0, 0}), std::vector<Vec3>(count, {0, 0, 1})};
   const bool by_rule = settings.method == "rule";
-  const std::string carried = by_rule ? "local_angles" : settings.method;
-  auto axes = carried_axes(hearts, walls, mesh.nodes_mm, atlas_mm, carried);
+  const std::string method = by_rule ? "local_angles" : settings.method;
+  auto carried = carried_axes(hearts, walls, mesh.nodes_mm, atlas_mm, method);
   clock.done("carrying");
-  compare_with_second(hearts, walls, mesh.nodes_mm, atlas_mm, axes, carried, result);
+  compare_with_second(hearts, walls, mesh.nodes_mm, atlas_mm, carried.axes, method, result);
   clock.done("second method");
-  set_ventricles(hearts, mesh, kinds, walls, std::move(axes), settings.inpainting_iterations, directions, result);
+  set_ventricles(hearts, mesh, kinds, walls, std::move(carried.axes), settings.inpainting_iterations, directions,
+                 result);
   auto from_atlas = kinds.ventricle;
   for (std::size_t n = 0; n < count; ++n)
     from_atlas[n] &= result.source[n] == static_cast<std::uint8_t>(FiberSource::atlas);
   result.figures = atlas_figures(hearts, atlas, {mesh, walls, atlas_mm, directions.fiber, from_atlas});
   clock.done("inpainting, figures");
-  const RuleField rule = ventricle_rule(mesh, hearts.patient.frame, settings.rule);
-  set_by_rule(mesh, kinds, rule, hearts.patient.frame, settings.rule, directions, result);
+  const auto rules = rule_fields(mesh, kinds, hearts.patient.frame, settings.rule);
+  const RuleField& rule = rules.ventricles;
+  clock.done("rules");
+  set_by_rule(mesh, kinds, rules, hearts.patient.frame, directions, result);
   set_frames(mesh, directions, result);
-  carry_to_steep_cells(hearts, mesh, result.node, carried, result.cell);
+  carry_to_steep_cells(hearts, mesh, result.node, carried, method, result.cell);
   result.rule_difference_deg = differences_deg(result.cell.fiber, rule);
   if (by_rule) {
     set_rule(rule, kinds.ventricle, directions, result);
     set_frames(mesh, directions, result);
     set_cells(rule, result.cell);
   }
-  clock.done("rule, frames");
+  clock.done("frames");
   result.part_times = std::move(clock.times);
   result.min_jacobian = hearts.registration.min_jacobian;
   result.affine_rms_mm = hearts.registration.pose.rms_mm;

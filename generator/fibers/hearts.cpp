@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/atlas/share_distance.hpp"
 #include "generator/fibers/push_forward.hpp"
+#include "generator/parallel/tasks.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 
@@ -38,23 +40,13 @@ Both<Vec3> angle_centers(const atlas::Ventricles& ventricles) {
   return {ventricles.frame.base_point_mm, count > 0 ? sum / count : ventricles.frame.base_point_mm};
 }
 
-/// of_wall(part) of either wall, side by side: much of what they are made by is not threaded.
-template <class OfWall>
-auto for_both(OfWall&& of_wall) {
-  Both<decltype(of_wall(Part::lv_wall))> result;
-  parallel::parallel_for(0, 2, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t n = begin; n < end; ++n)
-      (n == 0 ? result.lv : result.rv) = of_wall(n == 0 ? Part::lv_wall : Part::rv_wall);
-  });
-  return result;
-}
-
 struct WallSamples {
   AngleSamples by_place, by_coordinates;
   std::vector<double> depth, thickness_mm;
 };
 
-WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& center_mm) {
+WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& center_mm,
+                         const std::string& atlas_name) {
   WallSamples samples;
   const Grid& g = image.fiber.grid;
   const auto coordinates = wall_coordinates(image.ventricles, wall);
@@ -75,6 +67,9 @@ WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& 
         coordinate_feature(image.ventricles.frame, center_mm, position, at->depth, at->bend, at->normal));
     samples.by_coordinates.tensor.push_back(tensor);
   }
+  if (samples.depth.empty())
+    throw UserError("the atlas has no fibres in one of the ventricles", atlas_name,
+                    "a fibre atlas is a mesh of both ventricles with one vector per point or per cell");
   return samples;
 }
 
@@ -147,6 +142,30 @@ void weigh_shapes(Hearts& hearts) {
   }
 }
 
+/// What both hearts' walls are, and where the one lies in the other: side by side, for much of it is not threaded.
+void align(const LabelVolume& labels, const Landmarks& landmarks, const std::string& atlas_name,
+           const FiberSettings& settings, Hearts& hearts) {
+  check_patient_handedness(labels, landmarks, hearts.patient.frame);
+  const auto centers = angle_centers(hearts.atlas.ventricles);
+  Both<WallSamples> samples;
+  parallel::run_tasks(std::vector<std::function<void()>>{
+      // the longest ones first
+      [&] { hearts.registration = register_atlas(hearts.patient, hearts.atlas.ventricles, settings); },
+      [&] { hearts.patient_walls.lv = wall_coordinates(hearts.patient, Part::lv_wall); },
+      [&] { hearts.patient_walls.rv = wall_coordinates(hearts.patient, Part::rv_wall); },
+      [&] { samples.lv = wall_samples(hearts.atlas, Part::lv_wall, centers.lv, atlas_name); },
+      [&] { samples.rv = wall_samples(hearts.atlas, Part::rv_wall, centers.rv, atlas_name); },
+      [&] { hearts.left_of_junction_mm = left_of_junction(hearts.patient); }});
+  auto& [lv, rv] = samples;
+  check_handedness(lv, atlas_name);
+  hearts.atlas_depth = {std::move(lv.depth), std::move(rv.depth)};
+  hearts.atlas_thickness_mm = {std::move(lv.thickness_mm), std::move(rv.thickness_mm)};
+  hearts.by_place = {std::move(lv.by_place), std::move(rv.by_place)};
+  hearts.by_coordinates = {std::move(lv.by_coordinates), std::move(rv.by_coordinates)};
+  hearts.patient_centers_mm = angle_centers(hearts.patient);
+  weigh_shapes(hearts);
+}
+
 double left_of_junction_at(const Hearts& hearts, const Vec3& point_mm) {
   const Volume<float>& left_mm = hearts.left_of_junction_mm;
   return sample_linear(left_mm, index_from_lps(left_mm.grid, point_mm));
@@ -159,21 +178,25 @@ double left_share(double left_mm) {
   return share * share * (3 - 2 * share);
 }
 
-/// Adds share × carried dyad to the tensors of the points where this ventricle has a share.
-template <class Feature>
-void add_carried(const AngleSamples& samples, const PointWalls& walls, bool left, const Feature& feature_at,
-                 std::vector<AxisTensor>& axes) {
+/// Fits at the points where one wall has a share, whose dyads, by that share, are added to `axes`.
+template <class FeatureAt>
+WallFits add_carried(const AngleSamples& samples, const PointWalls& walls, bool left, const FeatureAt& feature_at,
+                     std::vector<AxisTensor>& axes) {
   const auto share_of = [&](std::size_t n) { return left ? walls.left_share[n] : 1 - walls.left_share[n]; };
-  std::vector<AngleQuery> queries;
-  std::vector<std::size_t> nodes;
+  WallFits carried{std::vector<std::int32_t>(axes.size(), -1), {}};
+  std::vector<WallFeature> features;
   for (std::size_t n = 0; n < axes.size(); ++n) {
     if (!walls.known[n] || share_of(n) <= 0) continue;
-    const WallPoint& at = left ? walls.lv[n] : walls.rv[n];
-    queries.push_back({feature_at(n, at), at});
-    nodes.push_back(n);
+    carried.of_point[n] = static_cast<std::int32_t>(features.size());
+    features.push_back(feature_at(n));
   }
-  const auto carried = carry_local_angles(samples, queries);
-  for (std::size_t q = 0; q < nodes.size(); ++q) axes[nodes[q]] += share_of(nodes[q]) * carried[q];
+  carried.fits = fit_local_angles(samples, features);
+  for (std::size_t n = 0; n < axes.size(); ++n) {
+    if (carried.of_point[n] < 0) continue;
+    const auto& fit = carried.fits[static_cast<std::size_t>(carried.of_point[n])];
+    axes[n] += share_of(n) * in_patient_frame(fit.tensor, left ? walls.lv[n] : walls.rv[n]);
+  }
+  return carried;
 }
 
 }  // namespace
@@ -199,24 +222,18 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atl
                       const std::string& atlas_name, const FiberSettings& settings) {
   Hearts hearts;
   hearts.atlas = std::move(atlas);
-  const auto centers = angle_centers(hearts.atlas.ventricles);
-  auto [lv, rv] = for_both(
-      [&](Part wall) { return wall_samples(hearts.atlas, wall, wall == Part::lv_wall ? centers.lv : centers.rv); });
-  if (lv.depth.empty() || rv.depth.empty())
-    throw UserError("the atlas has no fibres in one of the ventricles", atlas_name,
-                    "a fibre atlas is a mesh of both ventricles with one vector per point or per cell");
-  check_handedness(lv, atlas_name);
-  hearts.atlas_depth = {std::move(lv.depth), std::move(rv.depth)};
-  hearts.atlas_thickness_mm = {std::move(lv.thickness_mm), std::move(rv.thickness_mm)};
-  hearts.by_place = {std::move(lv.by_place), std::move(rv.by_place)};
-  hearts.by_coordinates = {std::move(lv.by_coordinates), std::move(rv.by_coordinates)};
   hearts.patient = atlas::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm);
-  check_patient_handedness(labels, landmarks, hearts.patient.frame);
-  hearts.registration = register_atlas(hearts.patient, hearts.atlas.ventricles, settings);
-  hearts.left_of_junction_mm = left_of_junction(hearts.patient);
-  hearts.patient_walls = for_both([&](Part wall) { return wall_coordinates(hearts.patient, wall); });
-  hearts.patient_centers_mm = angle_centers(hearts.patient);
-  weigh_shapes(hearts);
+  align(labels, landmarks, atlas_name, settings, hearts);
+  return hearts;
+}
+
+Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, const atlas::FiberAtlas& atlas,
+                      const FiberSettings& settings) {
+  Hearts hearts;
+  parallel::run_tasks(std::vector<std::function<void()>>{
+      [&] { hearts.atlas = atlas::image_of_atlas(atlas, settings.depth_grid_mm); },
+      [&] { hearts.patient = atlas::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm); }});
+  align(labels, landmarks, atlas.name, settings, hearts);
   return hearts;
 }
 
@@ -258,27 +275,27 @@ WallFeature feature_in_atlas(const Hearts& hearts, bool left, const Vec3& atlas_
                  left ? hearts.shape_shares.lv : hearts.shape_shares.rv);
 }
 
-std::vector<AxisTensor> carried_axes(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
-                                     const std::vector<Vec3>& atlas_mm, const std::string& method) {
-  if (method == "jacobian") return push_forward(hearts.atlas, hearts.registration, points_mm);
-  std::vector<AxisTensor> axes(points_mm.size());
-  for (const bool left : {true, false}) {
-    if (method == "coordinates") {
-      const auto& shares = left ? hearts.shape_shares.lv : hearts.shape_shares.rv;
-      const Vec3& center = left ? hearts.patient_centers_mm.lv : hearts.patient_centers_mm.rv;
-      const auto feature_at = [&](std::size_t n, const WallPoint& at) {
-        return weighed(coordinate_feature(hearts.patient.frame, center, points_mm[n], at.depth, at.bend, at.normal),
-                       shares);
-      };
-      add_carried(left ? hearts.by_coordinates.lv : hearts.by_coordinates.rv, walls, left, feature_at, axes);
-    } else {
-      const auto feature_at = [&](std::size_t n, const WallPoint& at) {
-        return feature_in_atlas(hearts, left, atlas_mm[n], at);
-      };
-      add_carried(left ? hearts.by_place.lv : hearts.by_place.rv, walls, left, feature_at, axes);
-    }
-  }
-  return axes;
+WallFeature feature_of(const Hearts& hearts, bool left, const std::string& method, const Vec3& point_mm,
+                       const Vec3& atlas_mm, const WallPoint& at) {
+  if (method != "coordinates") return feature_in_atlas(hearts, left, atlas_mm, at);
+  const Vec3& center = left ? hearts.patient_centers_mm.lv : hearts.patient_centers_mm.rv;
+  return weighed(coordinate_feature(hearts.patient.frame, center, point_mm, at.depth, at.bend, at.normal),
+                 left ? hearts.shape_shares.lv : hearts.shape_shares.rv);
+}
+
+FittedAxes carried_axes(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
+                        const std::vector<Vec3>& atlas_mm, const std::string& method) {
+  if (method == "jacobian") return {push_forward(hearts.atlas, hearts.registration, points_mm), {}};
+  FittedAxes carried{std::vector<AxisTensor>(points_mm.size()), {}};
+  const auto& samples = method == "coordinates" ? hearts.by_coordinates : hearts.by_place;
+  const auto features = [&](bool left) {
+    return [&, left](std::size_t n) {
+      return feature_of(hearts, left, method, points_mm[n], atlas_mm[n], left ? walls.lv[n] : walls.rv[n]);
+    };
+  };
+  carried.fits.lv = add_carried(samples.lv, walls, true, features(true), carried.axes);
+  carried.fits.rv = add_carried(samples.rv, walls, false, features(false), carried.axes);
+  return carried;
 }
 
 }  // namespace heart::fibers

@@ -36,9 +36,11 @@ Volume<float> left_of_junction(const atlas::Ventricles& ventricles);
 
 /// `labels`: tags of labels.hpp. Throws UserError where a ventricle is missing, where the atlas has no fibres in one,
 /// is mirrored (by its helix) or cannot be aligned, and where the patient is mirrored (by the heart's own shape).
-/// `atlas_name` is for the messages.
+/// `atlas_name` is for the messages. The second form makes the atlas's image, too, beside the patient's ventricles.
 Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, atlas::AtlasImage atlas,
                       const std::string& atlas_name, const FiberSettings& settings);
+Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, const atlas::FiberAtlas& atlas,
+                      const FiberSettings& settings);
 
 /// What the walls are at a list of points.
 struct PointWalls {
@@ -57,10 +59,23 @@ std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>&
 /// What a point of the patient's wall is looked up by in by_place: `atlas_mm`: its position in the atlas's frame.
 WallFeature feature_in_atlas(const Hearts& hearts, bool left, const Vec3& atlas_mm, const atlas::WallPoint& at);
 
-/// Dyads of the carried axes; zero tensors where nothing could be carried. `method`: "local_angles", "coordinates" or
-/// "jacobian".
-std::vector<atlas::AxisTensor> carried_axes(const Hearts& hearts, const PointWalls& walls,
-                                            const std::vector<Vec3>& points_mm, const std::vector<Vec3>& atlas_mm,
-                                            const std::string& method);
+/// What was fitted to the atlas at those of some points where one wall has a share.
+struct WallFits {
+  std::vector<std::int32_t> of_point;  ///< numbers of fits; -1 where there is none
+  std::vector<AngleFit> fits;
+};
+
+struct FittedAxes {
+  std::vector<atlas::AxisTensor> axes;  ///< dyads; zero where nothing could be carried
+  Both<WallFits> fits;                  ///< what they came from; empty for "jacobian"
+};
+
+/// `method`: "local_angles", "coordinates" or "jacobian".
+FittedAxes carried_axes(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
+                        const std::vector<Vec3>& atlas_mm, const std::string& method);
+
+/// What a point of the patient's wall is looked up by: its feature in by_coordinates or, otherwise, in by_place.
+WallFeature feature_of(const Hearts& hearts, bool left, const std::string& method, const Vec3& point_mm,
+                       const Vec3& atlas_mm, const atlas::WallPoint& at);
 
 }  // namespace heart::fibers

@@ -28,6 +28,9 @@ constexpr double wide_place = 0.25;  // places count so much where a border is s
 constexpr std::size_t places = 3, fitted = 4;   // of a feature's numbers: where, and where at which depth
 constexpr std::size_t bending = 4, facing = 5;  // how much the wall bends; from here on: where it faces
 
+/// The feature's number that a fit's slope is by.
+constexpr std::size_t axis_of(std::size_t slope) { return slope < fitted ? slope : slope - fitted + facing; }
+
 struct FeatureCloud {
   const std::vector<WallFeature>& points;
   double place_share = 1;
@@ -133,10 +136,8 @@ void observe(const AngleSamples& samples, const WallFeature& query, const std::v
     const AxisTensor& tensor = samples.tensor[near[n].sample];
     Observation& o = observations[n];
     o.terms(0) = 1;
-    for (std::size_t axis = 0; axis < fitted; ++axis)
-      o.terms(static_cast<Eigen::Index>(axis) + 1) = feature[axis] - query[axis];
-    for (std::size_t axis = facing; axis < feature.size(); ++axis)
-      o.terms(facing_terms + static_cast<Eigen::Index>(axis - facing)) = feature[axis] - query[axis];
+    for (std::size_t slope = 0; slope + 1 < terms; ++slope)
+      o.terms(static_cast<Eigen::Index>(slope) + 1) = feature[axis_of(slope)] - query[axis_of(slope)];
     o.dyad = Eigen::Map<const Dyad>(tensor.c.data());
     o.share = 1;
     o.weight = trust(tensor) * std::exp(-0.5 * near[n].squared_distance / width2);
@@ -177,16 +178,25 @@ bool distrust_outliers(const Fit& fit, std::vector<Observation>& observations) {
   return most_changed < agrees;
 }
 
-/// Value at the query of a linear fit to the samples that agree. `observations` is room to work in.
-AxisTensor regressed(const AngleSamples& samples, const WallFeature& query, const std::vector<Neighbor>& near,
-                     std::vector<Observation>& observations) {
+/// Linear fit around the query to the samples that agree. `observations` is room to work in.
+Fit regressed(const AngleSamples& samples, const WallFeature& query, const std::vector<Neighbor>& near,
+              std::vector<Observation>& observations) {
   const double width2 = std::max(1.0, near.front().squared_distance);
   observe(samples, query, near, width2, observations);
   Fit fit = fit_to(observations, width2);
   for (int round = 0; round < rounds_of_distrust && distrust_outliers(fit, observations); ++round)
     fit = fit_to(observations, width2);
-  AxisTensor result;
-  for (std::size_t c = 0; c < 6; ++c) result.c[c] = fit(0, static_cast<Eigen::Index>(c));
+  return fit;
+}
+
+AngleFit angle_fit(const WallFeature& feature, const Fit& fit, bool at_border) {
+  AngleFit result{feature, {}, {}};
+  for (Eigen::Index c = 0; c < 6; ++c) {
+    const auto entry = static_cast<std::size_t>(c);
+    result.tensor.c[entry] = fit(0, c);
+    for (std::size_t slope = at_border ? places : 0; slope < result.slope.size(); ++slope)
+      result.slope[slope][entry] = static_cast<float>(fit(static_cast<Eigen::Index>(slope) + 1, c));
+  }
   return result;
 }
 
@@ -216,11 +226,6 @@ double median(std::vector<double> values) {
   const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), half, values.end());
   return *half;
-}
-
-AxisTensor in_patient_frame(const AxisTensor& local, const atlas::WallPoint& at) {
-  const Vec3 axis = atlas::leading_axis(local);
-  return atlas::axis_tensor(normalized(axis.x * at.circumferential + axis.y * at.longitudinal + axis.z * at.normal));
 }
 
 }  // namespace
@@ -287,25 +292,49 @@ ShapeShares shares_of(const ShapeDifference& difference) {
   return {share(bend_scale, difference.bend), share(normal_scale, difference.facing)};
 }
 
-std::vector<AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries) {
+std::vector<AngleFit> fit_local_angles(const AngleSamples& samples, const std::vector<WallFeature>& features) {
   const FeatureCloud cloud{samples.feature};
   const Tree tree(std::tuple_size_v<WallFeature>, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   const FeatureCloud wide_cloud{samples.feature, wide_place};
   const Tree wide(std::tuple_size_v<WallFeature>, wide_cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-  std::vector<AxisTensor> result(queries.size());
-  parallel::parallel_for(0, static_cast<std::int64_t>(queries.size()), [&](std::int64_t begin, std::int64_t end) {
+  std::vector<AngleFit> result(features.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(features.size()), [&](std::int64_t begin, std::int64_t end) {
     NearestSamples nearest(samples);
     std::vector<Observation> observations;
-    for (auto q = static_cast<std::size_t>(begin); q < static_cast<std::size_t>(end); ++q) {
-      WallFeature at = queries[q].feature;
-      if (nearest.of(tree, at).front().squared_distance > farthest * farthest) {
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+      WallFeature at = features[f];
+      const bool beyond = nearest.of(tree, at).front().squared_distance > farthest * farthest;
+      if (beyond) {
         at = at_border(samples, wide, at);
         nearest.of(tree, at);
       }
-      result[q] = in_patient_frame(regressed(samples, at, nearest.found(), observations), queries[q].at);
+      result[f] = angle_fit(features[f], regressed(samples, at, nearest.found(), observations), beyond);
     }
   });
   return result;
+}
+
+AxisTensor between_fits(const std::vector<const AngleFit*>& fits, const WallFeature& feature) {
+  // Half of each fit's own slope and half of their mean one: a cubic along a line between two.
+  constexpr std::size_t slopes = std::tuple_size_v<decltype(AngleFit::slope)>;
+  const double share = 1 / static_cast<double>(fits.size());
+  AxisTensor result;
+  std::array<double, slopes> mean_offset{};
+  for (const AngleFit* fit : fits) {
+    result += share * fit->tensor;
+    for (std::size_t s = 0; s < slopes; ++s) mean_offset[s] += share * (feature[axis_of(s)] - fit->feature[axis_of(s)]);
+  }
+  for (const AngleFit* fit : fits)
+    for (std::size_t s = 0; s < slopes; ++s) {
+      const double offset = 0.5 * (feature[axis_of(s)] - fit->feature[axis_of(s)] + mean_offset[s]);
+      for (std::size_t c = 0; c < 6; ++c) result.c[c] += share * offset * double{fit->slope[s][c]};
+    }
+  return result;
+}
+
+AxisTensor in_patient_frame(const AxisTensor& local, const atlas::WallPoint& at) {
+  const Vec3 axis = atlas::leading_axis(local);
+  return atlas::axis_tensor(normalized(axis.x * at.circumferential + axis.y * at.longitudinal + axis.z * at.normal));
 }
 
 }  // namespace heart::fibers

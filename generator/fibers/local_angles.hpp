@@ -52,19 +52,26 @@ ShapeDifference shape_difference(const AngleSamples& samples, const std::vector<
 /// than it counts in otherwise (then 1).
 ShapeShares shares_of(const ShapeDifference& difference);
 
-/// A point of the patient's wall.
-struct AngleQuery {
-  WallFeature feature;  ///< of the same kind as the samples'
-  atlas::WallPoint at;  ///< its directions in the patient
-};
-
 /// The sample nearest to each feature. `samples` must not be empty.
 std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features);
 
-/// Dyad of a unit axis per query, in the patient's frame: linear regression of the samples' tensors on the 96 nearest
-/// features, by place, depth and normal, in which samples that the others contradict count less; a query farther from
-/// all samples is looked up at their border, at its own depth. `samples` must not be empty. The same bits for any
-/// number of threads.
-std::vector<atlas::AxisTensor> carry_local_angles(const AngleSamples& samples, const std::vector<AngleQuery>& queries);
+/// The samples around a feature as a linear function of it.
+struct AngleFit {
+  WallFeature feature{};
+  atlas::AxisTensor tensor;                     ///< there, in (circumferential, longitudinal, normal)
+  std::array<std::array<float, 6>, 7> slope{};  ///< of the tensor's entries by place (3), depth and normal (3)
+};
+
+/// Linear regression of the samples' tensors on the 96 nearest features, by place, depth and normal, in which samples
+/// that the others contradict count less; a feature farther from all samples is looked up at their border, at its own
+/// depth, and does not change with its place. `samples` must not be empty. The same bits for any number of threads.
+std::vector<AngleFit> fit_local_angles(const AngleSamples& samples, const std::vector<WallFeature>& features);
+
+/// The tensor at a feature amid those of some fits, of which there must be one at least: of third order where it is
+/// their mean, as at a cell's centroid between its nodes.
+atlas::AxisTensor between_fits(const std::vector<const AngleFit*>& fits, const WallFeature& feature);
+
+/// Dyad in the patient's frame of the axis that leads `local`, a tensor in the wall's own directions.
+atlas::AxisTensor in_patient_frame(const atlas::AxisTensor& local, const atlas::WallPoint& at);
 
 }  // namespace heart::fibers

@@ -1,5 +1,6 @@
 #include "generator/fibers/steep_cells.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "generator/fibers/frame.hpp"
@@ -13,14 +14,14 @@ bool is_ventricular(std::int32_t region) {
   return region == tag(Region::lv_myocardium) || region == tag(Region::rv_myocardium);
 }
 
-bool is_steep(const Cell& cell, const FiberField& node) {
-  constexpr double most_cosine = 0.906;  // 25 degrees
+/// The least cosine of an angle between fibres at two of the cell's nodes.
+double least_cosine(const Cell& cell, const FiberField& node) {
+  double least = 1;
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = a + 1; b < 4; ++b)
-      if (std::abs(dot(node.fiber[static_cast<std::size_t>(cell[a])], node.fiber[static_cast<std::size_t>(cell[b])])) <
-          most_cosine)
-        return true;
-  return false;
+      least = std::min(least, std::abs(dot(node.fiber[static_cast<std::size_t>(cell[a])],
+                                           node.fiber[static_cast<std::size_t>(cell[b])])));
+  return least;
 }
 
 Vec3 centroid(const TetMesh& mesh, const Cell& cell) {
@@ -29,33 +30,85 @@ Vec3 centroid(const TetMesh& mesh, const Cell& cell) {
   return sum / 4;
 }
 
-}  // namespace
-
-void carry_to_steep_cells(const Hearts& hearts, const TetMesh& mesh, const FiberField& node, const std::string& method,
-                          FiberField& cell) {
-  std::vector<std::uint8_t> is_chosen(mesh.cells.size());
-  parallel::parallel_for(0, static_cast<std::int64_t>(mesh.cells.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
-      is_chosen[c] = is_ventricular(mesh.region[c]) && is_steep(mesh.cells[c], node);
-  });
-  std::vector<std::size_t> steep;
-  std::vector<Vec3> points;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (!is_chosen[c]) continue;
-    steep.push_back(c);
-    points.push_back(centroid(mesh, mesh.cells[c]));
+/// Cells that are carried to, and where.
+struct SteepCells {
+  std::vector<std::size_t> number;
+  std::vector<Vec3> centroid_mm;
+  void add(const TetMesh& mesh, std::size_t c) {
+    number.push_back(c);
+    centroid_mm.push_back(centroid(mesh, mesh.cells[c]));
   }
-  const auto walls = point_walls(hearts, points, std::vector<std::uint8_t>(points.size(), 1));
-  const auto axes = carried_axes(hearts, walls, points, atlas_positions(hearts, points), method);
-  parallel::parallel_for(0, static_cast<std::int64_t>(steep.size()), [&](std::int64_t begin, std::int64_t end) {
+};
+
+PointWalls walls_at(const Hearts& hearts, const std::vector<Vec3>& points_mm) {
+  return point_walls(hearts, points_mm, std::vector<std::uint8_t>(points_mm.size(), 1));
+}
+
+void set(FiberField& cell, std::size_t c, const atlas::AxisTensor& axis, const Vec3& normal) {
+  const auto frame = material_axes(atlas::leading_axis(axis), normal);
+  cell.fiber[c] = frame.fiber;
+  cell.sheet[c] = frame.sheet;
+  cell.sheet_normal[c] = frame.sheet_normal;
+}
+
+/// The fits of one wall at the cell's nodes, in `found`; fewer than four where that wall does not have them all.
+void fits_at(const Cell& cell, const WallFits& wall, std::vector<const AngleFit*>& found) {
+  found.clear();
+  for (const auto n : cell)
+    if (const auto fit = wall.of_point[static_cast<std::size_t>(n)]; fit >= 0)
+      found.push_back(&wall.fits[static_cast<std::size_t>(fit)]);
+}
+
+/// Returns those that the fits at their nodes are not enough for.
+SteepCells carry_between_nodes(const Hearts& hearts, const TetMesh& mesh, const SteepCells& steep,
+                               const FittedAxes& carried, const std::string& method, FiberField& cell) {
+  const auto walls = walls_at(hearts, steep.centroid_mm);
+  const auto atlas_mm = atlas_positions(hearts, steep.centroid_mm);
+  std::vector<std::uint8_t> done(steep.number.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(done.size()), [&](std::int64_t begin, std::int64_t end) {
+    std::vector<const AngleFit*> fits;
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
-      if (!walls.known[n] || trace(axes[n]) <= 0) continue;
-      const auto frame = material_axes(atlas::leading_axis(axes[n]), walls.main(n).normal);
-      cell.fiber[steep[n]] = frame.fiber;
-      cell.sheet[steep[n]] = frame.sheet;
-      cell.sheet_normal[steep[n]] = frame.sheet_normal;
+      const bool left = walls.left_share[n] >= 1;
+      if (!walls.known[n] || (!left && walls.left_share[n] > 0)) continue;
+      fits_at(mesh.cells[steep.number[n]], left ? carried.fits.lv : carried.fits.rv, fits);
+      if (fits.size() < 4) continue;
+      const auto& at = walls.main(n);
+      const auto local = between_fits(fits, feature_of(hearts, left, method, steep.centroid_mm[n], atlas_mm[n], at));
+      set(cell, steep.number[n], in_patient_frame(local, at), at.normal);
+      done[n] = 1;
     }
   });
+  SteepCells left_over;
+  for (std::size_t n = 0; n < done.size(); ++n)
+    if (!done[n]) left_over.add(mesh, steep.number[n]);
+  return left_over;
+}
+
+void carry_to_centroids(const Hearts& hearts, const SteepCells& steep, const std::string& method, FiberField& cell) {
+  const auto walls = walls_at(hearts, steep.centroid_mm);
+  const auto axes =
+      carried_axes(hearts, walls, steep.centroid_mm, atlas_positions(hearts, steep.centroid_mm), method).axes;
+  for (std::size_t n = 0; n < axes.size(); ++n)
+    if (walls.known[n] && trace(axes[n]) > 0) set(cell, steep.number[n], axes[n], walls.main(n).normal);
+}
+
+}  // namespace
+
+void carry_to_steep_cells(const Hearts& hearts, const TetMesh& mesh, const FiberField& node, const FittedAxes& carried,
+                          const std::string& method, FiberField& cell) {
+  constexpr double steep = 0.906, too_steep = 0.5;  // 25 degrees; 60, beyond which a cubic is no good guess
+  std::vector<double> cosine(mesh.cells.size(), 1);
+  parallel::parallel_for(0, static_cast<std::int64_t>(mesh.cells.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
+      if (is_ventricular(mesh.region[c])) cosine[c] = least_cosine(mesh.cells[c], node);
+  });
+  const bool fitted = !carried.fits.lv.fits.empty() || !carried.fits.rv.fits.empty();
+  SteepCells between, single;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (cosine[c] < steep) (fitted && cosine[c] > too_steep ? between : single).add(mesh, c);
+  const auto left_over = carry_between_nodes(hearts, mesh, between, carried, method, cell);
+  for (const auto c : left_over.number) single.add(mesh, c);
+  carry_to_centroids(hearts, single, method, cell);
 }
 
 }  // namespace heart::fibers

@@ -107,7 +107,7 @@ TEST(Junction, AnAtlasThatBendsIntoTheJunctionTurnsNoFibersOfAPatientWhoseWallDo
   for (std::size_t n = 0; n < points.size(); ++n)
     if (const double depth = datasets::depth_at(model, points[n]); !std::isnan(depth)) walls.rv[n].depth = depth;
   const auto carried =
-      fibers::carried_axes(hearts, walls, points, fibers::atlas_positions(hearts, points), "local_angles");
+      fibers::carried_axes(hearts, walls, points, fibers::atlas_positions(hearts, points), "local_angles").axes;
   double sum_deg = 0, count = 0;
   for (std::size_t n = 0; n < points.size(); ++n) {
     const Vec3 known = datasets::fiber_at(model, points[n]);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "support/model_heart.hpp"
@@ -40,12 +41,8 @@ fibers::AngleSamples slab(const std::function<Vec3(int number, double depth)>& l
 
 Vec3 carried_at(const fibers::AngleSamples& samples, const Vec3& place_mm, double depth, double bend = 0,
                 const Vec3& normal = outwards) {
-  fibers::AngleQuery query;
-  query.feature = fibers::place_feature(place_mm, depth, bend, normal);
-  query.at.circumferential = {1, 0, 0};
-  query.at.longitudinal = {0, 1, 0};
-  query.at.normal = {0, 0, 1};
-  return atlas::leading_axis(fibers::carry_local_angles(samples, {query}).front());
+  const auto feature = fibers::place_feature(place_mm, depth, bend, normal);
+  return atlas::leading_axis(fibers::fit_local_angles(samples, {feature}).front().tensor);
 }
 
 TEST(LocalAngles, AHelixThatTurnsWithDepthIsFoundBetweenTheSamples) {
@@ -147,21 +144,16 @@ TEST(LocalAngles, ShapesCountLessWhereTheyDifferByMoreThanTheyCountIn) {
 }
 
 /// Places in no order, on the samples (so that many are equally far), between them and beyond them.
-std::vector<fibers::AngleQuery> scattered_queries() {
-  std::vector<fibers::AngleQuery> queries;
+std::vector<fibers::WallFeature> scattered_places() {
+  std::vector<fibers::WallFeature> places;
   for (int n = 0; n < 300; ++n) {
-    fibers::AngleQuery query;
     const double depth = 0.025 * (n * 7 % 41);
     const double off_mm = n % 3 == 0 ? 0 : 0.37 * (n % 5);
     const double reach_mm = n % 17 == 0 ? 9 : 2;
-    query.feature = fibers::place_feature({reach_mm * (n * 5 % 11 - 5) + off_mm, 2.0 * (n * 3 % 11 - 5), 10 * depth},
-                                          depth, 0, outwards);
-    query.at.circumferential = {1, 0, 0};
-    query.at.longitudinal = {0, 1, 0};
-    query.at.normal = {0, 0, 1};
-    queries.push_back(query);
+    places.push_back(fibers::place_feature({reach_mm * (n * 5 % 11 - 5) + off_mm, 2.0 * (n * 3 % 11 - 5), 10 * depth},
+                                           depth, 0, outwards));
   }
-  return queries;
+  return places;
 }
 
 TEST(LocalAngles, AQueryDoesNotDependOnThoseBeforeIt) {
@@ -169,17 +161,54 @@ TEST(LocalAngles, AQueryDoesNotDependOnThoseBeforeIt) {
     const double angle = (60 * (1 - 2 * depth) + 5 * std::sin(number)) * degree;
     return Vec3{std::cos(angle), std::sin(angle), 0};
   });
-  const auto queries = scattered_queries();
-  const auto together = fibers::carry_local_angles(samples, queries);
-  for (std::size_t q = 0; q < queries.size(); ++q)
-    EXPECT_EQ(together[q].c, fibers::carry_local_angles(samples, {queries[q]}).front().c) << q;
+  const auto places = scattered_places();
+  const auto together = fibers::fit_local_angles(samples, places);
+  for (std::size_t p = 0; p < places.size(); ++p)
+    EXPECT_EQ(together[p].tensor.c, fibers::fit_local_angles(samples, {places[p]}).front().tensor.c) << p;
+}
+
+/// Degrees that an axis between fits at depths a and b is off `helix` at `depth`, and that the fits' plain mean is.
+std::pair<double, double> off_between(const std::function<Vec3(double depth)>& helix, double a, double b,
+                                      double depth) {
+  const auto samples = slab([&](int, double at) { return helix(at); });
+  const auto place = [](double at) { return fibers::place_feature({0, 0, 10 * at}, at, 0, outwards); };
+  const auto fits = fibers::fit_local_angles(samples, {place(a), place(b)});
+  auto mean = fits[0].tensor;
+  mean += fits[1].tensor;
+  const auto between = fibers::between_fits({&fits[0], &fits[1]}, place(depth));
+  return {axis_angle_deg(atlas::leading_axis(between), helix(depth)),
+          axis_angle_deg(atlas::leading_axis(mean), helix(depth))};
+}
+
+TEST(LocalAngles, BetweenFitsAxesTurnAsTheSlopesSay) {
+  // 80 degrees over a wall, most of it outside: between 0.3 and 0.7, the mean of both ends is 4 degrees off.
+  const auto helix = [](double depth) {
+    const double angle = (50 - 100 * depth * depth) * degree;
+    return Vec3{std::cos(angle), std::sin(angle), 0};
+  };
+  const auto [between_deg, mean_deg] = off_between(helix, 0.3, 0.7, 0.5);
+  EXPECT_GT(mean_deg, 3.5);
+  EXPECT_LT(between_deg, mean_deg / 3);
+  const auto [nearer_deg, plain_deg] = off_between(helix, 0.3, 0.7, 0.4);  // nearer to the one
+  EXPECT_LT(nearer_deg, plain_deg / 2);
+}
+
+TEST(LocalAngles, BetweenFitsOfOneHelixIsThatHelixWhateverTheirOrder) {
+  const auto helix = [](double depth) {
+    const double angle = 60 * (1 - 2 * depth) * degree;
+    return Vec3{std::cos(angle), std::sin(angle), 0};
+  };
+  for (const double half : {0.05, 0.1, 0.2}) {
+    EXPECT_LT(off_between(helix, 0.5 - half, 0.5 + half, 0.5).first, 0.5) << half;
+    EXPECT_LT(off_between(helix, 0.5 + half, 0.5 - half, 0.5).first, 0.5) << half;
+  }
 }
 
 TEST(LocalAngles, FewSamplesAreAllUsed) {
   const auto all = slab([](int, double) { return Vec3{1, 0, 0}; });
   const fibers::AngleSamples few{{all.feature.begin(), all.feature.begin() + 5},
                                  {all.tensor.begin(), all.tensor.begin() + 5}};
-  for (const auto& carried : fibers::carry_local_angles(few, scattered_queries())) EXPECT_NEAR(carried.c[0], 1, 1e-9);
+  for (const auto& fit : fibers::fit_local_angles(few, scattered_places())) EXPECT_NEAR(fit.tensor.c[0], 1, 1e-9);
 }
 
 }  // namespace

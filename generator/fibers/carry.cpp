@@ -28,7 +28,6 @@ namespace {
 
 using atlas::AxisTensor;
 
-constexpr int junction_sweeps = 30;      // a junction is a few nodes wide; twice as many change its turns by a tenth
 constexpr double reach_of_atlas_mm = 8;  // farther from every sample, a carried axis counts as inpainted
 
 /// What each node of the mesh belongs to.
@@ -103,9 +102,7 @@ void set_ventricles(const Hearts& hearts, const TetMesh& mesh, const NodeKinds& 
     use[c] = mesh.region[c] == tag(Region::lv_myocardium) || mesh.region[c] == tag(Region::rv_myocardium);
   const auto edges = edge_graph(mesh, use);
   if (std::find(missing.begin(), missing.end(), 1) != missing.end()) inpaint_axes(edges, iterations, axes, missing);
-  std::vector<std::uint8_t> blended(axes.size());
-  for (std::size_t n = 0; n < axes.size(); ++n) blended[n] = kinds.ventricle[n] && walls.at_junction[n];
-  relax_axes(edges, blended, junction_sweeps, axes);
+  turn_evenly(edges, walls.from_junction_mm, axes);
   parallel::parallel_for(0, static_cast<std::int64_t>(axes.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
       if (kinds.ventricle[n]) directions.fiber[n] = atlas::leading_axis(axes[n]);

@@ -1,5 +1,7 @@
 #include "generator/fibers/even_junction.hpp"
 
+#include <cmath>
+
 #include "generator/parallel/threads.hpp"
 
 namespace heart::fibers {
@@ -14,6 +16,15 @@ AxisTensor relaxed_axis(const NeighborGraph& graph, const std::vector<AxisTensor
     sum += (1 / (h * h)) * axes[static_cast<std::size_t>(graph.neighbor[n])];
   }
   return trace(sum) > 0 ? atlas::axis_tensor(atlas::leading_axis(sum)) : axes[e];
+}
+
+/// Length of the element's edges; 0 where it has none.
+double mean_edge_mm(const NeighborGraph& graph, std::size_t e) {
+  double sum = 0;
+  for (auto n = static_cast<std::size_t>(graph.start[e]); n < static_cast<std::size_t>(graph.start[e + 1]); ++n)
+    sum += double{graph.distance_mm[n]};
+  const auto count = graph.start[e + 1] - graph.start[e];
+  return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
 }  // namespace
@@ -31,6 +42,25 @@ void relax_axes(const NeighborGraph& graph, const std::vector<std::uint8_t>& ble
     });
     for (std::size_t n = 0; n < elements.size(); ++n) axes[elements[n]] = next[n];
   }
+}
+
+void turn_evenly(const NeighborGraph& graph, const std::vector<double>& from_junction_mm,
+                 std::vector<AxisTensor>& axes) {
+  constexpr double width_mm = 5.6;
+  constexpr double sweeps_per_square = 4;  // of the edges across; twice as many change the turns by a tenth
+  std::vector<std::uint8_t> blended(axes.size());
+  double edges_mm = 0, count = 0;
+  for (std::size_t e = 0; e < axes.size(); ++e) {
+    if (from_junction_mm[e] >= width_mm / 2) continue;
+    const double edge_mm = mean_edge_mm(graph, e);
+    blended[e] = edge_mm > 0 && from_junction_mm[e] < (width_mm - edge_mm) / 2;
+    if (!blended[e]) continue;
+    edges_mm += edge_mm;
+    ++count;
+  }
+  if (count == 0) return;
+  const double across = width_mm * count / edges_mm;
+  relax_axes(graph, blended, static_cast<int>(std::ceil(sweeps_per_square * across * across)), axes);
 }
 
 }  // namespace heart::fibers

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/resample.hpp"
@@ -22,8 +23,8 @@ using atlas::Part;
 using atlas::WallPoint;
 
 // The ventricles' fields are blended this far on either side of their junction: a wall's own axes hold up to the other,
-// no farther than labels tell where that is. In a mesh they turn evenly this far.
-constexpr double blend_mm = 0.15, turn_mm = 1.5;
+// no farther than labels tell where that is.
+constexpr double blend_mm = 0.15;
 
 /// The left ventricle's angles go around the long axis, the right one's around the middle of its own cavity.
 Both<Vec3> angle_centers(const atlas::Ventricles& ventricles) {
@@ -241,7 +242,7 @@ PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
                        const std::vector<std::uint8_t>& wanted) {
   const std::size_t count = points_mm.size();
   PointWalls walls{std::vector<double>(count), std::vector<std::uint8_t>(count), std::vector<WallPoint>(count),
-                   std::vector<WallPoint>(count), std::vector<std::uint8_t>(count)};
+                   std::vector<WallPoint>(count), std::vector<double>(count, std::numeric_limits<double>::infinity())};
   parallel::parallel_for(0, static_cast<std::int64_t>(count), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
       if (!wanted[n]) continue;
@@ -251,7 +252,7 @@ PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
       const auto rv = wall_point(hearts.patient_walls.rv, hearts.patient.frame, points_mm[n]);
       if (!lv && !rv) continue;
       walls.known[n] = 1;
-      walls.at_junction[n] = lv && rv && std::abs(left_mm) < turn_mm;
+      if (lv && rv) walls.from_junction_mm[n] = std::abs(left_mm);
       if (!lv) walls.left_share[n] = 0;
       if (!rv) walls.left_share[n] = 1;
       if (lv) walls.lv[n] = *lv;

@@ -47,7 +47,7 @@ struct PointWalls {
   std::vector<double> left_share;   ///< of the left ventricle in the field: 0 or 1 but within 0.15 mm of the junction
   std::vector<std::uint8_t> known;  ///< 0: too far from both walls
   std::vector<atlas::WallPoint> lv, rv;
-  std::vector<std::uint8_t> at_junction;  ///< 1 within 1.5 mm of the junction, where fibres of a mesh turn evenly
+  std::vector<double> from_junction_mm;  ///< distance to where the walls meet; infinite where a point is of one alone
   const atlas::WallPoint& main(std::size_t n) const { return left_share[n] >= 0.5 ? lv[n] : rv[n]; }
 };
 PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "generator/fibers/even_junction.hpp"
 #include "generator/fibers/inpaint_grid.hpp"
@@ -114,6 +115,31 @@ TEST(RelaxAxes, ABlendOfCrossedAxesTurnsEvenlyAndItsEndsHold) {
   EXPECT_NEAR(largest_turn_deg(chain), 10, 1e-3);  // 80 degrees over 8 edges
   EXPECT_EQ(chain.axes.front().c, first.c);
   EXPECT_EQ(chain.axes.back().c, last.c);
+}
+
+/// Largest turn in degrees per mm of a chain of edges of this length, in whose middle axes jump by 80 degrees, once
+/// they turn evenly.
+double turn_where_walls_meet(double edge_mm) {
+  Chain chain = chain_of(38);
+  for (float& mm : chain.graph.distance_mm) mm = static_cast<float>(edge_mm);
+  std::vector<double> from_junction_mm;
+  for (std::size_t e = 0; e < chain.axes.size(); ++e) {
+    chain.axes[e] = e < 20 ? chain.axes.front() : chain.axes.back();
+    from_junction_mm.push_back(edge_mm * std::abs(static_cast<double>(e) - 19.5));
+  }
+  turn_evenly(chain.graph, from_junction_mm, chain.axes);
+  return largest_turn_deg(chain) / edge_mm;
+}
+
+TEST(TurnEvenly, WhereWallsMeetAxesTurnOverFiveMillimetresWhateverTheEdges) {
+  for (const double edge_mm : {0.4, 0.8, 1.2, 1.8}) EXPECT_LT(turn_where_walls_meet(edge_mm), 80 / 4.5) << edge_mm;
+}
+
+TEST(TurnEvenly, WhereOneWallIsAloneNothingChanges) {
+  Chain chain = chain_of(7);
+  const auto before = chain.axes;
+  turn_evenly(chain.graph, std::vector<double>(before.size(), std::numeric_limits<double>::infinity()), chain.axes);
+  for (std::size_t e = 0; e < before.size(); ++e) EXPECT_EQ(chain.axes[e].c, before[e].c) << e;
 }
 
 TEST(RelaxAxes, SameBitsForAnyNumberOfThreadsAndZerosStay) {

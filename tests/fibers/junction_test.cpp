@@ -86,7 +86,7 @@ TEST(Junction, AWallKeepsItsOwnAxesUpToAFifthOfAMillimetreOfTheOther) {
   EXPECT_EQ(walls.left_share[0], 1);
   EXPECT_NEAR(walls.left_share[1], 0.5, 1e-3);
   EXPECT_EQ(walls.left_share[2], 0);
-  for (const auto at_junction : walls.at_junction) EXPECT_TRUE(at_junction);
+  for (const double mm : walls.from_junction_mm) EXPECT_LT(mm, 1.5);
 }
 
 TEST(Junction, AnAtlasThatBendsIntoTheJunctionTurnsNoFibersOfAPatientWhoseWallDoesNot) {

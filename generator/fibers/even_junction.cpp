@@ -46,7 +46,7 @@ void relax_axes(const NeighborGraph& graph, const std::vector<std::uint8_t>& ble
 
 void turn_evenly(const NeighborGraph& graph, const std::vector<double>& from_junction_mm,
                  std::vector<AxisTensor>& axes) {
-  constexpr double width_mm = 5.6;
+  constexpr double width_mm = 5;
   constexpr double sweeps_per_square = 4;  // of the edges across; twice as many change the turns by a tenth
   std::vector<std::uint8_t> blended(axes.size());
   double edges_mm = 0, count = 0;

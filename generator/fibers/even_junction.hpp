@@ -17,7 +17,7 @@ void relax_axes(const NeighborGraph& graph, const std::vector<std::uint8_t>& ble
                 std::vector<atlas::AxisTensor>& axes);
 
 /// Relaxes the axes where two walls meet: from the last node that is one wall's own to the first of the other's they
-/// turn over 5.6 mm, edges to those nodes counted, so that they turn no more steeply where edges are short.
+/// turn over 5 mm, edges to those nodes counted, so that they turn no more steeply where edges are short.
 /// `from_junction_mm`: per element, infinite where only one wall is.
 void turn_evenly(const NeighborGraph& graph, const std::vector<double>& from_junction_mm,
                  std::vector<atlas::AxisTensor>& axes);

@@ -58,13 +58,20 @@ void try_to_mend(Complex& part, const Materials& materials, RepairSettings setti
   repair(part, materials, settings);
 }
 
-// The best of the tries up to the first that is good enough. `at_once` of them are made together, in vain where an
-// earlier one does: the outcome is the same for any number.
-Complex best_repair(const Complex& part, const Materials& materials, const RepairSettings& settings, double enough,
-                    int at_once) {
+/// What is done with a place.
+struct Effort {
+  double enough;
+  int tries;    ///< at most
+  int at_once;  ///< of the tries: those are made together, in vain where an earlier one does
+};
+
+// The best of the tries up to the first that is good enough: the same for any number at once.
+Complex best_repair(const Complex& part, const Materials& materials, const RepairSettings& settings,
+                    const Effort& effort) {
+  const double enough = effort.enough;
   Complex best = part;
-  for (int first = 0; first < most_tries && worst_quality(best) < enough; first += at_once) {
-    std::vector<Complex> tried(static_cast<std::size_t>(std::min(at_once, most_tries - first)), part);
+  for (int first = 0; first < effort.tries && worst_quality(best) < enough; first += effort.at_once) {
+    std::vector<Complex> tried(static_cast<std::size_t>(std::min(effort.at_once, effort.tries - first)), part);
     std::vector<std::function<void()>> tasks;
     tasks.reserve(tried.size());
     for (std::size_t i = 0; i < tried.size(); ++i)
@@ -120,13 +127,14 @@ std::vector<Job> next_places(const Complex& c, std::vector<std::int32_t>& bad, d
   return jobs;
 }
 
-void mend(std::vector<Job>& jobs, const Materials& materials, const RepairSettings& settings, double enough) {
-  const int at_once = jobs.size() == 1 ? parallel::thread_count() : 1;
+void mend(std::vector<Job>& jobs, const Materials& materials, const RepairSettings& settings, double enough,
+          int tries) {
+  const Effort effort{enough, tries, jobs.size() == 1 ? parallel::thread_count() : 1};
   std::vector<std::function<void()>> tasks;
   tasks.reserve(jobs.size());
   for (auto& job : jobs)
     tasks.emplace_back([&] {
-      job.best = best_repair(job.place.part, materials, settings, enough, at_once);
+      job.best = best_repair(job.place.part, materials, settings, effort);
       job.is_better = worst_quality(job.best) > worst_quality(job.place.part);
       job.is_enough = worst_quality(job.best) >= enough;
     });
@@ -138,16 +146,19 @@ void mend(std::vector<Job>& jobs, const Materials& materials, const RepairSettin
 std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough,
                     OnFailure on_failure) {
   constexpr std::size_t always = 30, cells_for_one = 30'000;
+  constexpr int most_in_vain = 8;  // after so many of the worst, what is cheap is all that the others get
   auto bad = cells_below(complex, enough);
   // More are not a few: the whole has to be made in another way.
   if (bad.size() > std::max(always, complex.cells.size() / cells_for_one)) return static_cast<std::int64_t>(bad.size());
   // The worst alone: where it cannot be mended and that is the end, all others are mended in vain.
   std::size_t at_once = 1;
+  int in_vain = 0;
   for (bool is_lost = false; !is_lost && !bad.empty(); at_once = 4) {
     auto jobs = next_places(complex, bad, enough, at_once);
-    mend(jobs, materials, settings, enough);
+    mend(jobs, materials, settings, enough, in_vain < most_in_vain ? most_tries : modest_from);
     for (auto& job : jobs) {
       if (job.is_better) put_back(complex, job.place, job.best);
+      in_vain += job.is_enough ? 0 : 1;
       is_lost = is_lost || (on_failure == OnFailure::stop && !job.is_enough);
     }
   }

@@ -192,11 +192,13 @@ WallFits add_carried(const AngleSamples& samples, const PointWalls& walls, bool 
     features.push_back(feature_at(n));
   }
   carried.fits = fit_local_angles(samples, features);
-  for (std::size_t n = 0; n < axes.size(); ++n) {
-    if (carried.of_point[n] < 0) continue;
-    const auto& fit = carried.fits[static_cast<std::size_t>(carried.of_point[n])];
-    axes[n] += share_of(n) * in_patient_frame(fit.tensor, left ? walls.lv[n] : walls.rv[n]);
-  }
+  parallel::parallel_for(0, static_cast<std::int64_t>(axes.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      if (carried.of_point[n] < 0) continue;
+      const auto& fit = carried.fits[static_cast<std::size_t>(carried.of_point[n])];
+      axes[n] += share_of(n) * in_patient_frame(fit.tensor, left ? walls.lv[n] : walls.rv[n]);
+    }
+  });
   return carried;
 }
 

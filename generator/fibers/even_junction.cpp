@@ -47,7 +47,7 @@ void relax_axes(const NeighborGraph& graph, const std::vector<std::uint8_t>& ble
 void turn_evenly(const NeighborGraph& graph, const std::vector<double>& from_junction_mm,
                  std::vector<AxisTensor>& axes) {
   constexpr double width_mm = 5;
-  constexpr double sweeps_per_square = 4;  // of the edges across; twice as many change the turns by a tenth
+  constexpr double sweeps_per_square = 4;  // of the edges across: some 30 sweeps at edges of 1.8 mm
   std::vector<std::uint8_t> blended(axes.size());
   double edges_mm = 0, count = 0;
   for (std::size_t e = 0; e < axes.size(); ++e) {

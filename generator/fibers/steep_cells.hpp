@@ -9,9 +9,9 @@
 namespace heart::fibers {
 
 /// Sets the frame of each ventricular cell two of whose nodes' fibres are more than 25 degrees apart to what is carried
-/// to the cell's centroid: out of the fits at its nodes, `carried`, where those are enough, else by a fit of its own.
-/// Other cells, and those that nothing can be carried to, keep theirs. `node`, `cell`, `carried`: of the whole mesh.
-/// The same bits for any number of threads.
+/// to the cell's centroid: out of the fits at its nodes, `carried`, where all four are of its wall and none more than
+/// 60 degrees off another, else by a fit of its own. Other cells, and those that nothing can be carried to, keep
+/// theirs. `node`, `cell`, `carried`: of the whole mesh. The same bits for any number of threads.
 void carry_to_steep_cells(const Hearts& hearts, const TetMesh& mesh, const FiberField& node, const FittedAxes& carried,
                           const std::string& method, FiberField& cell);
 

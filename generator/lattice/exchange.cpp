@@ -283,24 +283,40 @@ bool has_frozen_node(const Complex& c, const Cell& cell) {
   return std::any_of(cell.begin(), cell.end(), [&](auto n) { return c.is_frozen(n); });
 }
 
+// What a node touches: the outside as before, and the labels of its cells.
+void renew_touches(Complex& c, std::int32_t node) {
+  auto& bits = c.touches[static_cast<std::size_t>(node)];
+  bits &= side_bits | bit_of(outside);
+  for (const auto t : c.star(node)) bits |= bit_of(c.label_of(t));
+}
+
 void give_label(Complex& c, std::int32_t id, int label) {
   c.label[static_cast<std::size_t>(id)] = static_cast<std::uint8_t>(label);
-  for (const auto n : c.cell(id)) {
-    auto& bits = c.touches[static_cast<std::size_t>(n)];
-    bits &= side_bits | bit_of(0);
-    for (const auto t : c.star(n)) bits |= bit_of(c.label_of(t));
+  for (const auto n : c.cell(id)) renew_touches(c, n);
+}
+
+// Gives a cell to the outside.
+void take_away(Complex& c, std::int32_t id) {
+  const Cell cell = c.cell(id);
+  remove_cell(c, id);
+  for (const auto n : cell) {
+    c.touches[static_cast<std::size_t>(n)] |= bit_of(outside);
+    renew_touches(c, n);
   }
 }
 
 }  // namespace
 
 bool relabel(Complex& c, std::int32_t id, int label) {
-  if (label == outside || has_frozen_node(c, c.cell(id))) return false;
+  if (has_frozen_node(c, c.cell(id))) return false;
   const auto contacts = contacts_of(c, id);
   const auto* end = contacts.labels.begin() + contacts.count;
   if (std::find(contacts.labels.begin(), end, label) == end || !keeps_topology(contacts, c.label_of(id), label))
     return false;
-  give_label(c, id, label);
+  if (label == outside)
+    take_away(c, id);
+  else
+    give_label(c, id, label);
   return true;
 }
 

@@ -16,7 +16,8 @@ bool remove_edge(Complex& complex, const Materials& materials, std::int32_t a, s
 /// Two cells at the face opposite to `corner` (0 to 3) become three.
 bool remove_face(Complex& complex, std::int32_t cell, std::size_t corner);
 
-/// A cell without a frozen node takes a label of its neighbours, where no set of materials changes its topology.
+/// A cell without a frozen node takes a label of its neighbours, where no set of materials changes its topology; for
+/// label 0 it is removed.
 bool relabel(Complex& complex, std::int32_t cell, int label);
 
 /// A cell at the thin tip or edge of a material takes the label of a neighbour, where no set of materials changes its

@@ -117,7 +117,7 @@ bool relabel_strays(Complex& part, const Materials& materials) {
     for (std::int32_t id = 0; id < static_cast<std::int32_t>(part.cells.size()); ++id) {
       if (!part.is_alive(id) || has_free_node(part, id)) continue;
       const int there = label_if_stray(part, materials, id);
-      if (there != 0 && there != part.label_of(id)) is_changed_now = relabel(part, id, there) || is_changed_now;
+      if (there != part.label_of(id)) is_changed_now = relabel(part, id, there) || is_changed_now;
     }
     if (!is_changed_now) break;
     is_changed = true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "generator/lattice/box.hpp"
+#include "generator/lattice/exchange.hpp"
 #include "generator/lattice/marked_cubes.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
@@ -215,6 +216,23 @@ void draw_back(Complex& c, std::int32_t node, const Vec3& way_out, double least_
   shift_node(c, node, -length * normalized(way_out), tries, least_quality);
 }
 
+// Gives the cell behind one of each two faces that meet to the outside, where that changes no topology. Whether any
+// went.
+bool peel(Complex& c) {
+  const auto faces = outer_faces(c);
+  bool is_any = false;
+  for (const auto& pair : meeting_faces(c.nodes_mm, faces))
+    for (const auto f : {pair.first, pair.second}) {
+      const auto& face = faces[static_cast<std::size_t>(f)];
+      const auto cell = cells_at_face(c, face[0], face[1], face[2])[0];
+      if (cell < 0) break;  // gone for another pair
+      if (!relabel(c, cell, 0)) continue;
+      is_any = true;
+      break;
+    }
+  return is_any;
+}
+
 }  // namespace
 
 std::vector<Face> outer_faces(const Complex& c) {
@@ -258,8 +276,12 @@ std::int64_t separate_gently(Complex& complex, double least_quality) {
 
 std::int64_t separate_sheets(Complex& complex, double least_quality) {
   constexpr double late_quality = 0.4885;  // angles in [29, 145] degrees
-  const auto left = separate_gently(complex, least_quality);
-  return left == 0 ? 0 : separate_gently(complex, std::min(least_quality, late_quality));
+  constexpr int most_peelings = 4;
+  auto left = separate_gently(complex, least_quality);
+  const double quality = std::min(least_quality, late_quality);
+  if (left != 0) left = separate_gently(complex, quality);
+  for (int i = 0; i < most_peelings && left != 0 && peel(complex); ++i) left = separate_gently(complex, quality);
+  return left;
 }
 
 }  // namespace heart::lattice

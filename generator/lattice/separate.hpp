@@ -23,8 +23,8 @@ std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std
 /// for any number of threads.
 std::int64_t separate_gently(Complex& complex, double least_quality);
 
-/// The same; where that does not do, cells may come down to angles in [29, 145] degrees: worse cells are better than an
-/// overlap.
+/// The same; where that does not do, cells may come down to angles in [29, 145] degrees, and where that does not do
+/// either, cells behind such faces are given to the outside: a worse cell or a missing one is better than an overlap.
 std::int64_t separate_sheets(Complex& complex, double least_quality);
 
 }  // namespace heart::lattice

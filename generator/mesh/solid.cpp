@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "generator/parallel/threads.hpp"
+#include "generator/segment/components.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/fast_sweeping.hpp"
 
@@ -67,10 +68,26 @@ void roll(LevelSet& distance, float radius_mm, float side, float band_mm) {
   }
 }
 
+// Where a ball does not pass a bridge or fills one, it leaves islands and bubbles. They go, but for the largest: the
+// inside's (`side` 1) become outside or the other way round (-1), as deep as they were.
+void drop_islands(LevelSet& distance, double least_mm3, float side) {
+  Mask inside(distance.grid);
+  for (std::size_t v = 0; v < inside.voxels.size(); ++v) inside.voxels[v] = side * distance.voxels[v] < 0;
+  const auto parts = segment::connected_components(inside);
+  const auto largest = std::max_element(parts.voxel_count.begin() + 1, parts.voxel_count.end());
+  const auto least = std::min(static_cast<std::int64_t>(least_mm3 / distance.grid.voxel_volume_mm3()),
+                              parts.voxel_count.size() > 1 ? *largest : 0);
+  for (std::size_t v = 0; v < inside.voxels.size(); ++v)
+    if (inside.voxels[v] != 0 && parts.voxel_count[static_cast<std::size_t>(parts.label.voxels[v])] < least)
+      distance.voxels[v] = -distance.voxels[v];
+}
+
 }  // namespace
 
 LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, const Narrowest& narrowest) {
   constexpr double blur_mm = 0.4;
+  constexpr float after_blur = 0.7F;     // rods and tips are thinner then, and no face fits a needle; sheets are not
+  constexpr double smallest_part = 100;  // cubes of the narrowest wall: a ball five or six of them wide
   const auto wall_radius = static_cast<float>(narrowest.wall_mm / 2);
   const auto gap_radius = static_cast<float>(narrowest.gap_mm / 2);
   const auto band = band_of(std::max(narrowest.wall_mm, narrowest.gap_mm));
@@ -82,6 +99,10 @@ LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, const Narrowe
   roll(level_set, wall_radius, 1, band);
   const auto& spacing = level_set.grid.spacing_mm;
   smooth(level_set, gaussian_kernels({blur_mm / spacing.x, blur_mm / spacing.y, blur_mm / spacing.z}));
+  roll(level_set, after_blur * wall_radius, 1, band);
+  const double least_mm3 = smallest_part * std::pow(narrowest.wall_mm, 3);
+  drop_islands(level_set, least_mm3, 1);
+  drop_islands(level_set, least_mm3, -1);
   return level_set;
 }
 

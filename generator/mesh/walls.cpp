@@ -11,6 +11,7 @@
 #include "generator/mesh/improve.hpp"
 #include "generator/mesh/level_set_at.hpp"
 #include "generator/mesh/mesh_heart.hpp"
+#include "generator/mesh/open_labels.hpp"
 #include "generator/mesh/own_edges.hpp"
 #include "generator/mesh/size_field.hpp"
 #include "generator/mesh/surfaces.hpp"
@@ -24,9 +25,12 @@ namespace {
 
 constexpr double voxel_mm = 0.5;        // of the solid
 constexpr double junction_edges = 1.5;  // junctions of walls are smoothed by so much
+// A wall that ends in a wedge between two others, or in a skin over one, cannot be followed there: it ends as wide as
+// this, and its junctions are smoothed again.
+constexpr double narrowest_part_edges = 1, blunt_junction_edges = 1;
 // Sheets nearer than these could pass through each other. The end of a gap is as round as the gap is wide: in narrower
 // ones than an edge or so, between papillary muscles and at the grooves' bottoms, no face fits.
-constexpr double narrowest_mm = 1, thinnest_wall_edges = 0.8, narrowest_gap_edges = 1.2;
+constexpr double narrowest_mm = 1, thinnest_wall_edges = 0.8, narrowest_gap_edges = 1.6;
 constexpr std::int64_t margin = 8;  // voxels around the walls
 constexpr std::int64_t crumb_cells = 30;
 
@@ -227,8 +231,10 @@ int wall_at(const WallLevelSets& walls, const Vec3& lps_mm) {
   return value_at(walls.solid, position_of(walls.solid.grid, lps_mm)) < 0 ? nearest_wall(walls, lps_mm) : 0;
 }
 
-LabelVolume labels_of(const WallLevelSets& walls) {
-  LabelVolume labels(walls.domain.grid);
+namespace {
+
+LabelVolume labels_on(const Grid& grid, const WallLevelSets& walls) {
+  LabelVolume labels(grid);
   const auto& size = labels.grid.size;
   parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
     for (auto k = begin; k < end; ++k)
@@ -240,6 +246,50 @@ LabelVolume labels_of(const WallLevelSets& walls) {
   });
   return labels;
 }
+
+// To one of the labels, on its grid around it.
+LevelSet distance_around(const LabelVolume& labels, std::uint8_t label, double smoothing_mm) {
+  const auto& spacing = labels.grid.spacing_mm;
+  const double margin_mm = 3 * smoothing_mm, finest = std::min({spacing.x, spacing.y, spacing.z});
+  const auto box = bounding_box(labels, static_cast<std::int64_t>(std::ceil(margin_mm / finest)),
+                                [&](std::uint8_t other) { return other == label; });
+  auto mask = crop(labels, box);
+  for (auto& voxel : mask.voxels) voxel = voxel == label;
+  return box.empty() ? LevelSet{} : smooth_distance(mask, smoothing_mm);
+}
+
+// Sets a distance where another one, on voxels of its own, is known.
+void replace(LevelSet& distance, const LevelSet& known) {
+  const auto& size = distance.grid.size;
+  const auto is_inside = [&](const Vec3& index) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (index[axis] < 0 || index[axis] > static_cast<double>(known.grid.size[static_cast<std::size_t>(axis)] - 1))
+        return false;
+    return true;
+  };
+  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = begin; k < end; ++k)
+      for (std::int64_t j = 0; j < size[1]; ++j)
+        for (std::int64_t i = 0; i < size[0]; ++i) {
+          const Vec3 index{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+          const Vec3 there = index_from_lps(known.grid, lps_from_index(distance.grid, index));
+          if (is_inside(there)) distance(i, j, k) = static_cast<float>(sample_linear(known, there));
+        }
+  });
+}
+
+void blunt_wedges(WallLevelSets& walls, double edge_mm) {
+  auto labels = labels_on(walls.solid.grid, walls);
+  open_labels(labels, walls.labels, 0.5 * narrowest_part_edges * edge_mm);
+  for (std::size_t i = 0; i < walls.labels.size(); ++i) {
+    const auto known = distance_around(labels, walls.labels[i], blunt_junction_edges * edge_mm);
+    if (!known.voxels.empty()) replace(walls.distances[i], known);
+  }
+}
+
+}  // namespace
+
+LabelVolume labels_of(const WallLevelSets& walls) { return labels_on(walls.domain.grid, walls); }
 
 WallLevelSets wall_level_sets(const LabelVolume& labels, const MeshSettings& settings) {
   const auto box = bounding_box(labels, margin, is_wall);
@@ -255,6 +305,8 @@ WallLevelSets wall_level_sets(const LabelVolume& labels, const MeshSettings& set
     walls.distances.push_back(distance_of(walls.domain, share.label,
                                           std::max(settings.smoothing_mm, junction_edges * settings.heart_edge_mm)));
   }
+  walls.cubes = find_cubes(walls);
+  blunt_wedges(walls, settings.heart_edge_mm);
   walls.cubes = find_cubes(walls);
   return walls;
 }

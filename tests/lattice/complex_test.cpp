@@ -255,6 +255,31 @@ TEST(Separate, WhatDoesNotMeetStays) {
   for (std::size_t n = 0; n < before.size(); ++n) EXPECT_EQ(norm(c.nodes_mm[n] - before[n]), 0);
 }
 
+// Two balls of small cells that overlap by more than their outer cells can give way.
+TEST(Separate, CellsThatCannotBeDrawnBackGo) {
+  const auto ball =
+      mesh_of(materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 6, 1)).complex;
+  Complex c = ball;
+  const auto nodes = static_cast<std::int32_t>(ball.nodes_mm.size());
+  for (const auto& p : ball.nodes_mm) c.nodes_mm.push_back(p + Vec3{9.1, 0.2, 0.1});
+  for (auto cell : ball.cells) {
+    for (auto& n : cell) n += nodes;
+    c.cells.push_back(cell);
+  }
+  c.touches.insert(c.touches.end(), ball.touches.begin(), ball.touches.end());
+  c.spacing_mm.insert(c.spacing_mm.end(), ball.spacing_mm.begin(), ball.spacing_mm.end());
+  c.label.insert(c.label.end(), ball.label.begin(), ball.label.end());
+  lattice::connect(c);
+  const auto meeting = [&] { return lattice::meeting_faces(c.nodes_mm, lattice::outer_faces(c)).size(); };
+  ASSERT_GT(meeting(), 10U);
+  auto gently = c;
+  ASSERT_GT(lattice::separate_gently(gently, 0.4885), 0);
+  EXPECT_EQ(lattice::separate_sheets(c, 0.4885), 0);
+  EXPECT_EQ(meeting(), 0U);
+  EXPECT_GT(least_volume(c), 0);
+  EXPECT_EQ(defects(c), 0);
+}
+
 TEST(Separate, FrozenNodesStayAndTheirPairsAreCounted) {
   auto c = two_tips(0.15);
   c.frozen.assign(8, 1);

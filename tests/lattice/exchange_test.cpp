@@ -144,6 +144,29 @@ TEST(Relabel, NotWhereTheMaterialWouldBePartedAtTheOutside) {
   EXPECT_GT(inside, 0);
 }
 
+TEST(Relabel, CellsGoToTheOutsideOneByOneAndTheSurfaceStaysClosed) {
+  const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 6, 1);
+  auto c = lattice::stuff(m, {});
+  lattice::derive_touches(c);
+  lattice::compress(c);
+  const auto count = static_cast<std::int32_t>(c.cells.size());
+  int gone = 0;
+  for (std::int32_t t = 0; t < count; t += 3) {
+    const Cell cell = c.cell(t);
+    const auto is_outer = [&](std::int32_t n) { return (c.bits(n) & lattice::bit_of(0)) != 0; };
+    const bool is_inner = std::none_of(cell.begin(), cell.end(), is_outer);
+    const bool is_gone = lattice::relabel(c, t, 0);
+    EXPECT_FALSE(is_inner && is_gone) << "it would be a bubble";
+    EXPECT_EQ(c.is_alive(t), !is_gone);
+    if (!is_gone) continue;
+    ++gone;
+    for (const auto n : cell) EXPECT_TRUE(is_outer(n) || c.star(n).empty());
+  }
+  EXPECT_GT(gone, count / 30);
+  EXPECT_GT(least_volume(c), 0);
+  EXPECT_EQ(defects(c), 0);
+}
+
 TEST(Relabel, NotWhereMoreMaterialsMeetThanAreLookedAt) {
   auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 7, 1);
   auto c = lattice::stuff(m, {});

@@ -73,6 +73,27 @@ TEST(WallLevelSet, ClosesNarrowGapsAndKeepsWallsAsThin) {
   }
 }
 
+// What rolling balls leave is no part of a heart: a strand beside it, a bubble in it. But what is alone is the heart.
+TEST(WallLevelSet, IslandsAndBubblesGoButNotTheOnlyPart) {
+  const Vec3 strand{0, 0, 14}, bubble{0, 0, -4}, block{8, 8, -4};
+  const auto solid_of = [&](bool has_block) {
+    const auto labels = label_cube(44, 1, [&](const Vec3& p) {
+      const bool is_block = has_block && std::abs(p.x) < 12 && std::abs(p.y) < 12 && p.z < 4 && p.z > -12;
+      const bool is_wall = (is_block && norm(p - bubble) > 2.5) || norm(p - strand) < 2.5;
+      return is_wall ? Region::lv_myocardium : Region::none;
+    });
+    return mesh::wall_level_set(mesh::make_domain(labels, 0.8), 0.5, {.wall_mm = 1, .gap_mm = 1});
+  };
+  const auto at = [](const LevelSet& solid, const Vec3& p) {
+    return sample_linear(solid, index_from_lps(solid.grid, p));
+  };
+  const auto solid = solid_of(true);
+  EXPECT_GT(at(solid, strand), 0);
+  EXPECT_LT(at(solid, bubble), 0);
+  EXPECT_LT(at(solid, block), 0);
+  EXPECT_LT(at(solid_of(false), strand), 0);
+}
+
 // Two shells side by side, the left one with an atrium on its blood.
 Region small_heart(const Vec3& p) {
   const double left = norm(p - Vec3{9, 0, 0}), right = norm(p - Vec3{-10, 0, 0}), atrium = norm(p - Vec3{9, 0, 17});

@@ -1,5 +1,6 @@
 #include "generator/mesh/open_labels.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -30,6 +31,7 @@ Reach reach_of(const LabelVolume& labels, std::uint8_t tag, double radius_mm) {
   const double finest = std::min({spacing.x, spacing.y, spacing.z});
   const auto margin = static_cast<std::int64_t>(std::ceil(3 * radius_mm / finest)) + 2;
   Reach reach{bounding_box(labels, margin, [&](std::uint8_t label) { return label == tag; }), {}};
+  if (reach.box.empty()) return reach;  // the label is nowhere left
   const auto near = crop(labels, reach.box);
   Mask mask(near.grid);
   for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = near.voxels[v] != tag;

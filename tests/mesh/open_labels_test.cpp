@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -76,6 +77,14 @@ TEST(OpenLabels, AThinSheetWithoutNeighboursStaysAndSoDoesTheOutside) {
   mesh::open_labels(labels, tags, radius_mm);
   for (std::size_t v = 0; v < labels.voxels.size(); ++v)
     EXPECT_TRUE(labels.voxels[v] == before.voxels[v] || before.voxels[v] == tags[0]);
+}
+
+TEST(OpenLabels, ALabelThatIsNowhereChangesNothing) {
+  const auto before =
+      label_cube(46, 0.5, [](const Vec3& p) { return is_block(p) ? Region::lv_myocardium : Region::none; });
+  auto labels = before;
+  mesh::open_labels(labels, tags, radius_mm);
+  EXPECT_EQ(labels.voxels, before.voxels);
 }
 
 TEST(OpenLabels, SameBitsForAnyNumberOfThreads) {

@@ -200,6 +200,13 @@ void choose(Job& job, const Materials& materials) {
   job.outcomes.clear();
 }
 
+std::vector<Job*> pointers_to(std::vector<Job>& jobs) {
+  std::vector<Job*> pointers;
+  pointers.reserve(jobs.size());
+  for (auto& job : jobs) pointers.push_back(&job);
+  return pointers;
+}
+
 // Calls work(job) for each, all at the same time.
 template <class Work>
 void for_each_job(const std::vector<Job*>& jobs, const Work& work) {
@@ -240,9 +247,7 @@ Face in_whole(const Place& place, Face face) {
 }
 
 void fit(std::vector<Job>& jobs, const Trial& trial, const std::vector<Face>& hopeless) {
-  std::vector<Job*> active;
-  active.reserve(jobs.size());
-  for (auto& job : jobs) active.push_back(&job);
+  auto active = pointers_to(jobs);
   for_each_job(active, [&](Job& job) { begin(job, trial); });
   for (auto& job : jobs)
     if (job.is_active() && std::ranges::find(hopeless, in_whole(job.place, job.first.worst)) != hopeless.end())
@@ -265,18 +270,17 @@ std::vector<Job> separate_places(const Complex& c, std::vector<Face>& faces, int
     const auto cell = cells_at_face(c, face[0], face[1], face[2])[0];
     if (cell < 0) return true;  // what was made of another place changed it
     if (work_left <= 0) return false;
-    const auto taken = [&](std::int32_t n) { return is_taken[static_cast<std::size_t>(n)] != 0; };
-    if (std::any_of(face.begin(), face.end(), taken)) return false;
-    auto place = place_around(c, cell, rings);
-    if (std::any_of(place.nodes.begin(), place.nodes.end(), taken)) return false;
-    for (const auto n : place.nodes) is_taken[static_cast<std::size_t>(n)] = 1;
-    work_left -= usual_tries * static_cast<std::int64_t>(place.cells.size());
+    auto cells = free_cells_around(c, cell, rings, is_taken);
+    if (cells.empty()) return false;
+    for (const auto n : nodes_of(c, cells)) is_taken[static_cast<std::size_t>(n)] = 1;
+    work_left -= usual_tries * static_cast<std::int64_t>(cells.size());
     auto& job = jobs.emplace_back();
-    job.place = std::move(place);
+    job.place.cells = std::move(cells);
     job.face = face;
     return true;
   };
   std::erase_if(faces, is_done);
+  for_each_job(pointers_to(jobs), [&](Job& job) { job.place = place_of(c, std::move(job.place.cells)); });
   return jobs;
 }
 

@@ -1,33 +1,39 @@
 #include "generator/lattice/place.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/noise.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heart::lattice {
-namespace {
 
-std::vector<std::int32_t> cells_around(const Complex& c, std::int32_t id, int rings) {
-  std::vector<std::int32_t> cells{id}, nodes;
-  for (int ring = 0; ring < rings; ++ring) {
-    nodes.clear();
-    for (const auto t : cells) nodes.insert(nodes.end(), c.cell(t).begin(), c.cell(t).end());
-    sort_unique(nodes);
+std::vector<std::int32_t> nodes_of(const Complex& c, std::span<const std::int32_t> cells) {
+  std::vector<std::int32_t> nodes;
+  nodes.reserve(4 * cells.size());
+  for (const auto t : cells) nodes.insert(nodes.end(), c.cell(t).begin(), c.cell(t).end());
+  sort_unique(nodes);
+  return nodes;
+}
+
+std::vector<std::int32_t> free_cells_around(const Complex& c, std::int32_t id, int rings,
+                                            std::span<const std::uint8_t> is_taken) {
+  const auto taken = [&](std::int32_t n) { return is_taken[static_cast<std::size_t>(n)] != 0; };
+  std::vector<std::int32_t> cells{id};
+  for (int ring = 0;; ++ring) {
+    const auto nodes = nodes_of(c, cells);
+    if (!is_taken.empty() && std::any_of(nodes.begin(), nodes.end(), taken)) return {};
+    if (ring == rings) return cells;
     cells.clear();
     for (const auto n : nodes) cells.insert(cells.end(), c.star(n).begin(), c.star(n).end());
     sort_unique(cells);
   }
-  return cells;
 }
 
-}  // namespace
-
-Place place_around(const Complex& c, std::int32_t id, int rings) {
-  Place place{cells_around(c, id, rings), {}, {}};
-  for (const auto t : place.cells) place.nodes.insert(place.nodes.end(), c.cell(t).begin(), c.cell(t).end());
-  sort_unique(place.nodes);
+Place place_of(const Complex& c, std::vector<std::int32_t> cells) {
+  Place place{std::move(cells), {}, {}};
+  place.nodes = nodes_of(c, place.cells);
   auto& part = place.part;
   for (const auto n : place.nodes) {
     const auto star = c.star(n);
@@ -48,6 +54,10 @@ Place place_around(const Complex& c, std::int32_t id, int rings) {
   }
   connect(part);
   return place;
+}
+
+Place place_around(const Complex& c, std::int32_t cell, int rings) {
+  return place_of(c, free_cells_around(c, cell, rings));
 }
 
 void put_back(Complex& c, Place& place, const Complex& changed) {

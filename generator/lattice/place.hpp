@@ -1,6 +1,7 @@
 // A few cells cut out of a complex, to be worked on apart from the rest and put back.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "generator/lattice/complex.hpp"
@@ -13,8 +14,18 @@ struct Place {
   Complex part;
 };
 
-/// The cells that can be reached from a cell in so many steps over shared nodes. Needs `touches` to be what the cells
-/// make them (derive_touches).
+/// The cells that can be reached from a cell in so many steps over shared nodes, ascending; none where one of their
+/// nodes is taken (by node; empty: no node is).
+std::vector<std::int32_t> free_cells_around(const Complex& complex, std::int32_t cell, int rings,
+                                            std::span<const std::uint8_t> is_taken = {});
+
+/// Their nodes, ascending.
+std::vector<std::int32_t> nodes_of(const Complex& complex, std::span<const std::int32_t> cells);
+
+/// Some cells, ascending, as a place. Needs `touches` to be what the cells make them (derive_touches).
+Place place_of(const Complex& complex, std::vector<std::int32_t> cells);
+
+/// All cells around a cell as a place.
 Place place_around(const Complex& complex, std::int32_t cell, int rings);
 
 /// Puts a changed copy of the part into the whole. Its frozen nodes have not moved.

@@ -44,6 +44,9 @@ inline double cell_quality(const Vec3& p, const Vec3& a, const Vec3& b, const Ve
   return six_volumes > 0 ? good : inverted;
 }
 
+/// The smallest and the largest dihedral angle of a cell; 0 and 180 for flat ones. Slow beside cell_quality.
+std::array<double, 2> dihedral_range_deg(const std::array<Vec3, 4>& corners);
+
 /// Corners of a few cells, as coordinates of each corner: the qualities of all take about as long as that of one.
 struct CellBatch {
   static constexpr std::size_t size = 4;

@@ -12,6 +12,7 @@
 #include "generator/lattice/fit.hpp"
 #include "generator/lattice/lay.hpp"
 #include "generator/lattice/place.hpp"
+#include "generator/lattice/quality.hpp"
 #include "generator/lattice/refine.hpp"
 #include "generator/lattice/rescue.hpp"
 #include "generator/lattice/separate.hpp"
@@ -84,6 +85,18 @@ std::vector<std::uint8_t> settle_cells(lattice::Complex& complex, std::span<cons
 
 }  // namespace
 
+bool are_few_below(const lattice::Complex& c, double enough, int most) {
+  constexpr double least_deg = 26, greatest_deg = 145;
+  int below = 0;
+  for (std::size_t t = 0; t < c.cells.size(); ++t) {
+    const auto& cell = c.cells[t];
+    if (cell[0] < 0 || static_cast<double>(c.quality[t]) >= enough) continue;
+    const auto range = lattice::dihedral_range_deg({c.at(cell[0]), c.at(cell[1]), c.at(cell[2]), c.at(cell[3])});
+    if (++below > most || range[0] < least_deg || range[1] > greatest_deg) return false;
+  }
+  return true;
+}
+
 void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
   settle_cells(complex, manifold_sets, crumb_cells);
   lattice::compress(complex);
@@ -96,6 +109,7 @@ struct Attempt {
   std::int64_t below_goal = 0;
   std::int64_t meeting = std::numeric_limits<std::int64_t>::max();  // pairs of outer faces that pass through each other
   double worst = -1;                                                // quality
+  bool is_good_enough = false;
   bool is_finished = false;
 };
 
@@ -179,12 +193,13 @@ Attempt attempt(Task& task, double reach) {
   watch.note("repair");
   lattice::balance_surfaces(made.complex, materials, task.repairing.least);
   watch.note("balance");
-  const auto too_bad =
-      lattice::rescue(made.complex, materials, task.repairing, task.aims.enough, lattice::OnFailure::stop);
+  const auto on_failure = task.aims.tolerated > 0 ? lattice::OnFailure::go_on : lattice::OnFailure::stop;
+  lattice::rescue(made.complex, materials, task.repairing, task.aims.enough, on_failure);
+  made.is_good_enough = are_few_below(made.complex, task.aims.enough, task.aims.tolerated);
   watch.note("rescue");
   made.meeting = lattice::separate_gently(made.complex, task.repairing.least);
   watch.note("separate");
-  if (too_bad == 0) finish(made, task);
+  if (made.is_good_enough) finish(made, task);
   made.worst = lattice::worst_quality(made.complex);
   return made;
 }
@@ -220,7 +235,7 @@ lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<
   const auto is_enough_with = [&](double reach) {
     auto made = attempt(task, reach);
     if (is_better(made, best)) best = std::move(made);
-    return best.meeting == 0 && best.worst >= aims.enough;
+    return best.meeting == 0 && best.is_good_enough;
   };
   bool is_enough = is_enough_with(reaches[0]);
   auto& spots = task.materials.spots;
@@ -244,6 +259,7 @@ adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<flo
   const auto materials = materials_of(domain, sizes_mm);
   LatticeAims aims;
   aims.fitted = heart_bits();  // the body's edges are too coarse for its creases
+  aims.tolerated = 8;
   return collect(lattice_complex(materials, manifold_sets, crumb_cells, report, aims), domain.grid);
 }
 

@@ -39,11 +39,16 @@ constexpr double kept_quality = 0.5116;
 struct LatticeAims {
   double enough = 0.4885;           ///< quality: where no cell is below, nothing is tried again: angles in [29, 145]
   lattice::LabelBits fitted = ~0U;  ///< surfaces of these are followed closely everywhere (lattice/fit.hpp)
+  int tolerated = 0;                ///< nor where it is only so many (are_few_below)
   bool refines = false;  ///< where labels do not fit into the lattice, edges become shorter: for surfaces that are
                          ///< smooth, else too much does not fit
 };
 /// Where several materials meet in an edge it may be too much to ask of every cell.
-constexpr LatticeAims one_material{kept_quality, ~0U, true};
+constexpr LatticeAims one_material{kept_quality, ~0U, 0, true};
+
+/// Whether at most so many cells are below a quality, and all of their angles are in [26, 145] degrees: where several
+/// materials meet a few cells resist, and to make everything anew for these is not worth it.
+bool are_few_below(const lattice::Complex& complex, double enough, int most);
 
 /// The domain as materials, in mm along the axes of its grid. Both must outlive the result.
 lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes_mm);

@@ -238,10 +238,11 @@ std::vector<std::uint8_t> nodes_to_mend(const Tetrahedra& t, const LabelSet& set
   return wanted;
 }
 
-// `changes` since this was last done for the set; those made here go to `made`.
-std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set, const Changes& changes, Changes& made) {
-  // Changes to and fro could repeat for ever. From some round on the set may only shrink, which must come to an end.
-  constexpr int most_rounds = 60, shrinking_from = 8;
+// `changes` since this was last done for the set; those made here go to `made`. Changes to and fro could repeat for
+// ever: from round `shrinking_from` on the set may only shrink, which must come to an end.
+std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set, int shrinking_from, const Changes& changes,
+                           Changes& made) {
+  constexpr int most_rounds = 60;
   auto wanted = nodes_to_mend(t, set, changes);
   std::int64_t changed = 0;
   for (int round = 0; round < most_rounds; ++round) {
@@ -270,7 +271,8 @@ std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set, const Changes& ch
 std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
                            std::vector<std::int32_t>& label, std::span<const LabelSet> manifold_sets,
                            std::int64_t crumb_cells) {
-  constexpr int most_rounds = 8, crumb_rounds = 2;
+  constexpr int most_rounds = 8, crumb_rounds = 2, usually_shrinking_from = 8;
+  constexpr int quarrel_rounds = 4;  // what one set has filled until then, another one takes away again
   auto t = connect(nodes_mm, cells, label);
   std::int64_t total = 0;
   const auto nodes = nodes_mm.size();
@@ -293,7 +295,8 @@ std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<
     spread(made);
     for (std::size_t s = 0; s < manifold_sets.size(); ++s) {
       made.assign(nodes, 0);
-      changed += make_manifold(t, manifold_sets[s], changes[s], made);
+      const int shrinking_from = round < quarrel_rounds ? usually_shrinking_from : 0;
+      changed += make_manifold(t, manifold_sets[s], shrinking_from, changes[s], made);
       changes[s].assign(nodes, 0);
       spread(made);
     }

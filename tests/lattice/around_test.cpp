@@ -76,4 +76,19 @@ TEST(Around, WhatLeavesThePlaceByFarIsBeyondReach) {
   EXPECT_FALSE(lattice::is_within_reach(place.part, around));
 }
 
+TEST(FreeCellsAround, AreThePlaceUnlessOneOfItsNodesIsTaken) {
+  const auto c = mesh_of(balls_side_by_side()).complex;
+  const auto cell = c.star(pole(c))[0];
+  std::vector<std::uint8_t> is_taken(c.nodes_mm.size(), 1);
+  const auto place = lattice::place_around(c, cell, 2);
+  for (const auto n : place.nodes) is_taken[static_cast<std::size_t>(n)] = 0;
+  EXPECT_EQ(lattice::free_cells_around(c, cell, 2, is_taken), place.cells);
+  EXPECT_TRUE(lattice::free_cells_around(c, cell, 3, is_taken).empty());
+  for (const auto n : place.nodes) {
+    is_taken[static_cast<std::size_t>(n)] = 1;
+    EXPECT_TRUE(lattice::free_cells_around(c, cell, 2, is_taken).empty()) << n;
+    is_taken[static_cast<std::size_t>(n)] = 0;
+  }
+}
+
 }  // namespace

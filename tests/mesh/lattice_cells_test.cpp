@@ -44,4 +44,34 @@ TEST(LatticeCells, WhatFitsIntoTheLatticeKeepsItsEdges) {
   EXPECT_GT(narrowest, 0.9F * widest);
 }
 
+/// Cells apart from each other, in each of which two faces meet at one of the angles, the other angles between 45 and
+/// 120 degrees.
+Complex cells_with(const std::vector<double>& angles_deg) {
+  Complex c;
+  for (const double angle_deg : angles_deg) {
+    const auto first = static_cast<std::int32_t>(c.nodes_mm.size());
+    const double x = 10.0 * static_cast<double>(c.cells.size()), height = 0.8,
+                 angle = angle_deg * std::numbers::pi / 180;
+    c.nodes_mm.insert(
+        c.nodes_mm.end(),
+        {{x, 0.5, 0}, {x, -0.5, 0}, {x + height, 0, 0}, {x + height * std::cos(angle), 0, height * std::sin(angle)}});
+    c.cells.push_back({first, first + 1, first + 2, first + 3});
+  }
+  c.touches.assign(c.nodes_mm.size(), 0);
+  c.spacing_mm.assign(c.nodes_mm.size(), 1);
+  c.label.assign(c.cells.size(), 1);
+  lattice::connect(c);
+  return c;
+}
+
+TEST(FewBelow, AFewCellsWithAnglesThatSolversBearAreTolerated) {
+  const double enough = mesh::LatticeAims{}.enough;
+  EXPECT_TRUE(mesh::are_few_below(cells_with({70, 70, 70}), enough, 0));
+  EXPECT_FALSE(mesh::are_few_below(cells_with({70, 28, 70}), enough, 0));
+  EXPECT_TRUE(mesh::are_few_below(cells_with({70, 28, 27}), enough, 2));
+  EXPECT_FALSE(mesh::are_few_below(cells_with({28, 28, 27}), enough, 2));
+  EXPECT_FALSE(mesh::are_few_below(cells_with({70, 25, 70}), enough, 2));
+  EXPECT_FALSE(mesh::are_few_below(cells_with({70, 146, 70}), enough, 2));
+}
+
 }  // namespace

@@ -6,19 +6,12 @@
 #include <limits>
 
 #include "generator/parallel/threads.hpp"
+#include "generator/parallel/vector_clones.hpp"
 
 namespace heart::atlas {
 namespace {
 
 constexpr float far_away = 1e9F;
-
-// One copy for every x86-64 and one for AVX2, chosen at start-up; both give the same bits. The sanitizers do not get
-// along with the load-time choice.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define HEART_ATLAS_VECTOR __attribute__((target_clones("avx2", "default")))
-#else
-#define HEART_ATLAS_VECTOR
-#endif
 
 constexpr std::int64_t lanes = 16;  // lines that go through together, so that memory is read along x whatever the axis
 
@@ -123,7 +116,7 @@ void squared_distance_lane(const float* f, float* d, std::int64_t length, Envelo
 
 /// The same for all lanes at once where all values are small, as inside a body: the least of f(q) + (p - q)^2, sought
 /// from p outwards as far as a lane can still gain. `in` and `out` as in for_each_bundle.
-HEART_ATLAS_VECTOR void near_squared_distance_bundle(const float* in, float* out, std::int64_t length) {
+HEART_VECTOR_CLONES void near_squared_distance_bundle(const float* in, float* out, std::int64_t length) {
   for (std::int64_t p = 0; p < length; ++p) {
     float least[lanes];
     for (std::int64_t lane = 0; lane < lanes; ++lane) least[lane] = in[p * lanes + lane];
@@ -184,8 +177,8 @@ std::vector<float> gaussian_weights(double sigma) {
 }
 
 /// Weighted sums around the values of each lane, whose borders are continued; `in` and `out` as in for_each_bundle.
-HEART_ATLAS_VECTOR void smooth_bundle(const float* weights, std::int64_t radius, const float* in, float* out,
-                                      std::int64_t length) {
+HEART_VECTOR_CLONES void smooth_bundle(const float* weights, std::int64_t radius, const float* in, float* out,
+                                       std::int64_t length) {
   for (std::int64_t p = 0; p < length; ++p) {
     float sum[lanes];
     for (std::int64_t lane = 0; lane < lanes; ++lane) sum[lane] = weights[0] * in[p * lanes + lane];

@@ -8,14 +8,6 @@
 
 #include "model/vec.hpp"
 
-// For functions that are compiled once for every x86-64 and once for AVX2, chosen at start-up; both give the same bits.
-// The sanitizers do not get along with the load-time choice.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define HEART_LATTICE_VECTOR __attribute__((target_clones("avx2", "default")))
-#else
-#define HEART_LATTICE_VECTOR
-#endif
-
 namespace heart::lattice {
 
 constexpr double obtuse_weight = 0.85;

@@ -7,6 +7,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/misfit.hpp"
 #include "generator/lattice/quality.hpp"
+#include "generator/parallel/vector_clones.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -29,14 +30,14 @@ using Qualities = std::array<double, most_cells>;
 constexpr std::size_t batch = CellBatch::size;
 
 // Qualities first to first + 3 with the node at `p`; the arrays have room for a whole batch at the end.
-HEART_LATTICE_VECTOR void evaluate_batch(const Star& star, std::size_t first, double px, double py, double pz,
-                                         double* q) {
+HEART_VECTOR_CLONES void evaluate_batch(const Star& star, std::size_t first, double px, double py, double pz,
+                                        double* q) {
   for (std::size_t i = 0; i < batch; ++i) q[i] = star.quality_at(first + i, {px, py, pz});
 }
 
 // Qualities of cell `i` with the node at each of four places.
-HEART_LATTICE_VECTOR void evaluate_places(const Star& star, std::size_t i, const double* x, const double* y,
-                                          const double* z, double* q) {
+HEART_VECTOR_CLONES void evaluate_places(const Star& star, std::size_t i, const double* x, const double* y,
+                                         const double* z, double* q) {
   for (std::size_t k = 0; k < batch; ++k) q[k] = star.quality_at(i, {x[k], y[k], z[k]});
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "generator/parallel/threads.hpp"
 
@@ -60,14 +61,17 @@ ShareRow row_of(const ShareField& field, std::int64_t j, std::int64_t k) {
   return {&field.share(0, y, z), field.first[0], field.first[0] + size[0]};
 }
 
-void decide_voxels(MeshDomain& domain, const LabelVolume& labels, const Box& box) {
-  parallel::parallel_for(box.low[2], box.high[2] + 1, [&](std::int64_t begin, std::int64_t end) {
+void decide_voxels(MeshDomain& domain, const LabelVolume& labels, const Spans& changed) {
+  const auto& size = domain.grid.size;
+  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
     std::array<ShareRow, label_count> rows;
     for (auto k = begin; k < end; ++k)
-      for (auto j = box.low[1]; j <= box.high[1]; ++j) {
+      for (std::int64_t j = 0; j < size[1]; ++j) {
+        const auto span = changed.row(j, k);
+        if (span.last < 0) continue;
         for (const auto& field : domain.shares) rows[field.label] = row_of(field, j, k);
         const auto row = static_cast<std::size_t>(domain.grid.offset(0, j, k));
-        for (auto i = box.low[0]; i <= box.high[0]; ++i) {
+        for (auto i = span.first; i <= span.last; ++i) {
           const auto voxel = row + static_cast<std::size_t>(i);
           const auto label = labels.voxels[voxel];
           // More than a half of one label decides, but for one that is smoothed more than the others.
@@ -91,42 +95,82 @@ void find_uniform_cubes(const std::array<const std::uint8_t*, 4>& corners, std::
   }
 }
 
-void find_uniform_cubes(MeshDomain& domain, const Box& box) {
+// The cubes at the voxels that have changed.
+void find_uniform_cubes(MeshDomain& domain, const Spans& changed) {
   const auto& size = domain.grid.size;
-  const auto first = [&](std::size_t axis) { return std::max<std::int64_t>(0, box.low[axis] - 1); };
-  const auto last = std::min(box.high[0] + 1, size[0] - 1);  // the cube of the last voxel has no width
-  parallel::parallel_for(first(2), box.high[2] + 1, [&](std::int64_t begin, std::int64_t end) {
+  parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
     for (auto k = begin; k < end; ++k)
-      for (auto j = first(1); j <= box.high[1]; ++j) {
+      for (std::int64_t j = 0; j < size[1]; ++j) {
+        auto span = changed.row(j, k);
+        for (const auto& [dj, dk] : {std::pair{1, 0}, std::pair{0, 1}, std::pair{1, 1}})
+          span.add(changed.row(j + dj, k + dk));
+        if (span.last < 0) continue;
         const auto row = [&](std::int64_t dj, std::int64_t dk) {
           return domain.voxels.data() +
                  domain.grid.offset(0, std::min(j + dj, size[1] - 1), std::min(k + dk, size[2] - 1));
         };
         const std::array<const std::uint8_t*, 4> corners{row(0, 0), row(1, 0), row(0, 1), row(1, 1)};
         auto* cubes = domain.cubes.data() + domain.grid.offset(0, j, k);
-        find_uniform_cubes(corners, first(0), last, 1, cubes);
-        find_uniform_cubes(corners, last, box.high[0] + 1, 0, cubes);
+        const auto last = std::min(span.last + 1, size[0] - 1);  // the cube of the last voxel has no width
+        find_uniform_cubes(corners, std::max<std::int64_t>(0, span.first - 1), last, 1, cubes);
+        find_uniform_cubes(corners, last, span.last + 1, 0, cubes);
       }
   });
 }
 
-float trilinear(const ShareField& field, const Index3& cube, const std::array<float, 3>& fraction) {
+/// The values of a share at the corners of a cube.
+struct CubeCorners {
+  const float* first = nullptr;  // null: the share is 0 there
+  std::array<std::int64_t, 3> step;
+};
+
+CubeCorners corners_of(const ShareField& field, const Index3& cube) {
   const auto& size = field.share.grid.size;
-  std::int64_t at[3], step[3] = {1, size[0], size[0] * size[1]};
+  CubeCorners corners{nullptr, {1, size[0], size[0] * size[1]}};
+  Index3 at;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     at[axis] = cube[axis] - field.first[axis];
     // Outside its box a share is 0; a cube that straddles the box's end has a share of 0 too (margin of one voxel).
-    if (at[axis] < 0 || at[axis] >= size[axis]) return 0;
-    if (at[axis] + 1 >= size[axis]) step[axis] = 0;
+    if (at[axis] < 0 || at[axis] >= size[axis]) return corners;
+    if (at[axis] + 1 >= size[axis]) corners.step[axis] = 0;
   }
-  const float* p = &field.share(at[0], at[1], at[2]);
-  const auto mix = [](float a, float b, float t) { return a + t * (b - a); };
+  corners.first = &field.share(at[0], at[1], at[2]);
+  return corners;
+}
+
+float mix(float a, float b, float t) { return a + t * (b - a); }
+
+float trilinear(const ShareField& field, const Index3& cube, const std::array<float, 3>& fraction) {
+  const auto [first, step] = corners_of(field, cube);
+  if (first == nullptr) return 0;
+  const float* p = first;
   const float low =
       mix(mix(p[0], p[step[0]], fraction[0]), mix(p[step[1]], p[step[0] + step[1]], fraction[0]), fraction[1]);
   p += step[2];
   const float high =
       mix(mix(p[0], p[step[0]], fraction[0]), mix(p[step[1]], p[step[0] + step[1]], fraction[0]), fraction[1]);
   return mix(low, high, fraction[2]);
+}
+
+// The same bits as trilinear at fractions of 1/4 and 3/4.
+std::array<float, 8> shares_of_eighths(const ShareField& field, const Index3& cube) {
+  constexpr std::array fractions{0.25F, 0.75F};
+  std::array<float, 8> shares{};
+  const auto [p, step] = corners_of(field, cube);
+  if (p == nullptr) return shares;
+  for (std::size_t i = 0; i < 2; ++i) {
+    std::array<float, 4> rows;  // y, then z
+    for (std::size_t row = 0; row < 4; ++row) {
+      const float* q =
+          p + static_cast<std::int64_t>(row & 1U) * step[1] + static_cast<std::int64_t>(row >> 1U) * step[2];
+      rows[row] = mix(q[0], q[step[0]], fractions[i]);
+    }
+    for (std::size_t j = 0; j < 2; ++j) {
+      const float low = mix(rows[0], rows[1], fractions[j]), high = mix(rows[2], rows[3], fractions[j]);
+      for (std::size_t k = 0; k < 2; ++k) shares[i + 2 * j + 4 * k] = mix(low, high, fractions[k]);
+    }
+  }
+  return shares;
 }
 
 /// Shares of some labels and their gradients at one place.
@@ -141,14 +185,8 @@ struct ShareSample {
 };
 
 ShareSample sample_share(const ShareField& field, const Index3& cube, const std::array<float, 3>& fraction) {
-  const auto& size = field.share.grid.size;
-  std::int64_t at[3], step[3] = {1, size[0], size[0] * size[1]};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    at[axis] = cube[axis] - field.first[axis];
-    if (at[axis] < 0 || at[axis] >= size[axis]) return {};
-    if (at[axis] + 1 >= size[axis]) step[axis] = 0;
-  }
-  const float* p = &field.share(at[0], at[1], at[2]);
+  const auto [p, step] = corners_of(field, cube);
+  if (p == nullptr) return {};
   const double u = static_cast<double>(fraction[0]), v = static_cast<double>(fraction[1]),
                w = static_cast<double>(fraction[2]);
   double along[4], rise[4];  // of the four rows of the cube
@@ -223,11 +261,11 @@ int equations_at(const MeshDomain& domain, std::uint32_t labels, const Vec3& ind
   return static_cast<int>(count);
 }
 
-void update_regions(MeshDomain& domain, const LabelVolume& labels, const Box& box) {
+void update_regions(MeshDomain& domain, const LabelVolume& labels, const Spans& changed) {
   domain.voxels.resize(labels.voxels.size());
   domain.cubes.resize(labels.voxels.size());
-  decide_voxels(domain, labels, box);
-  find_uniform_cubes(domain, box);
+  decide_voxels(domain, labels, changed);
+  find_uniform_cubes(domain, changed);
 }
 
 std::uint8_t region_at(const MeshDomain& domain, const Vec3& index) {
@@ -238,6 +276,21 @@ std::uint8_t region_at(const MeshDomain& domain, const Vec3& index) {
     const auto field = domain.share_of[l];
     return field < 0 ? 0.0F : trilinear(domain.shares[static_cast<std::size_t>(field)], cube, fraction);
   });
+}
+
+std::array<std::uint8_t, 8> regions_of_eighths(const MeshDomain& domain, const Index3& cube) {
+  std::array<std::array<float, 8>, label_count> shares;
+  std::uint32_t known = 0;
+  std::array<std::uint8_t, 8> regions;
+  for (std::size_t part = 0; part < regions.size(); ++part)
+    regions[part] = decide([&](std::uint8_t l) {
+      if (const auto field = domain.share_of[l]; (known >> l & 1U) == 0)
+        shares[l] = field < 0 ? std::array<float, 8>{}
+                              : shares_of_eighths(domain.shares[static_cast<std::size_t>(field)], cube);
+      known |= 1U << l;
+      return shares[l][part];
+    });
+  return regions;
 }
 
 HeartShares heart_shares(const MeshDomain& domain, const Vec3& index) {

@@ -49,8 +49,8 @@ struct MeshDomain {
 /// Throws UserError for a label that is not in the table of regions, or a map without any label.
 MeshDomain make_domain(const LabelVolume& labels, double smoothing_mm, double body_smoothing_mm = 0);
 
-/// Sets `voxels` and `cubes` in a box from the shares; `labels` is the map that they come from.
-void update_regions(MeshDomain& domain, const LabelVolume& labels, const Box& box);
+/// Sets `voxels` and `cubes` from the shares where these have changed; `labels` is the map that they come from.
+void update_regions(MeshDomain& domain, const LabelVolume& labels, const Spans& changed);
 
 /// What the meshes of the heart and the torso are made of: the body's smoothing grows with its finest edges as the
 /// heart's does with the heart's.
@@ -59,6 +59,10 @@ MeshDomain make_domain(const LabelVolume& labels, const MeshSettings& settings);
 /// Region tag at a continuous index of the label map, 0 outside. Beyond the border voxels the map continues as it is
 /// on the border.
 std::uint8_t region_at(const MeshDomain& domain, const Vec3& index);
+
+/// What region_at says in the middles of the eight parts of a cube between voxel centres (`cube` is its first voxel,
+/// and has a next one along each axis), x fastest.
+std::array<std::uint8_t, 8> regions_of_eighths(const MeshDomain& domain, const Index3& cube);
 
 /// A surface of the domain near a point: `value` is 0 on it, `gradient` is per mm along the grid's axes.
 struct SurfaceEquation {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "generator/parallel/threads.hpp"
+#include "generator/parallel/vector_clones.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -53,16 +54,27 @@ Stretches stretches_of(const Volume<float>& volume) {
   return result;
 }
 
+// Taps along a row, one after the other, so that it vectorises and the bits are the same for any vector length.
+HEART_VECTOR_CLONES void add_four(const float* weights, const float* a, const float* b, const float* c, const float* d,
+                                  std::int64_t count, float* __restrict out) {
+  for (std::int64_t i = 0; i < count; ++i)
+    out[i] = (((out[i] + weights[0] * a[i]) + weights[1] * b[i]) + weights[2] * c[i]) + weights[3] * d[i];
+}
+HEART_VECTOR_CLONES void add_one(float weight, const float* in, std::int64_t count, float* __restrict out) {
+  for (std::int64_t i = 0; i < count; ++i) out[i] += weight * in[i];
+}
+
 /// One axis of a convolution: where it reads (border values continued) and what it weighs.
 class AxisPass {
  public:
-  AxisPass(const Volume<float>& volume, const Stretches& stretches, std::size_t axis, const std::vector<float>& weights)
-      : volume_(volume), stretches_(stretches), axis_(axis), weights_(weights), radius_(radius_of(weights)) {}
+  AxisPass(const Index3& size, const float* in, const Stretches& stretches, std::size_t axis,
+           const std::vector<float>& weights)
+      : size_(size), in_(in), stretches_(stretches), axis_(axis), weights_(weights), radius_(radius_of(weights)) {}
 
-  /// Writes the row (j, k) and its stretches.
+  /// Writes the row (j, k), along the first axis also to where it is read, and its stretches.
   void smooth_row(std::int64_t j, std::int64_t k, std::vector<float>& padded, float* out, float* out_stretches) const {
-    const auto length = volume_.grid.size[0], count = stretches_.per_row;
-    bool is_padded = false;
+    const auto length = size_[0], count = stretches_.per_row;
+    if (axis_ == 0) pad(j, k, padded);
     for (std::int64_t s = 0; s < count;) {
       out_stretches[s] = weighed(common_value(s, j, k));
       const auto from = s * stretch_voxels;
@@ -72,18 +84,15 @@ class AxisPass {
         continue;
       }
       for (++s; s < count && std::isnan(common_value(s, j, k)); ++s) out_stretches[s] = mixed;
-      if (axis_ == 0 && !is_padded) pad(j, k, padded);
-      is_padded = true;
       convolve(j, k, padded, out, from, std::min(s * stretch_voxels, length));
     }
   }
 
  private:
   std::int64_t row_at(std::int64_t j, std::int64_t k, std::int64_t tap) const {
-    const auto& size = volume_.grid.size;
-    if (axis_ == 1) j = std::clamp<std::int64_t>(j + tap, 0, size[1] - 1);
-    if (axis_ == 2) k = std::clamp<std::int64_t>(k + tap, 0, size[2] - 1);
-    return k * size[1] + j;
+    if (axis_ == 1) j = std::clamp<std::int64_t>(j + tap, 0, size_[1] - 1);
+    if (axis_ == 2) k = std::clamp<std::int64_t>(k + tap, 0, size_[2] - 1);
+    return k * size_[1] + j;
   }
 
   /// The value of all voxels that a stretch depends on, or `mixed`.
@@ -108,44 +117,49 @@ class AxisPass {
     return sum;
   }
 
+  // The row as it is before it is written.
   void pad(std::int64_t j, std::int64_t k, std::vector<float>& padded) const {
-    const auto length = volume_.grid.size[0];
-    const float* row = &volume_(0, j, k);
-    for (std::int64_t i = 0; i < length + 2 * radius_; ++i)
-      padded[static_cast<std::size_t>(i)] = row[std::clamp<std::int64_t>(i - radius_, 0, length - 1)];
+    const auto length = size_[0];
+    const float* row = in_ + row_at(j, k, 0) * length;
+    std::fill_n(padded.begin(), radius_, row[0]);
+    std::copy_n(row, length, padded.begin() + radius_);
+    std::fill_n(padded.begin() + radius_ + length, radius_, row[length - 1]);
   }
 
-  // Tap by tap along the row, so that it vectorises.
   void convolve(std::int64_t j, std::int64_t k, const std::vector<float>& padded, float* out, std::int64_t from,
                 std::int64_t to) const {
     std::fill(out + from, out + to, 0.0F);
-    for (auto tap = -radius_; tap <= radius_; ++tap) {
-      const float weight = weights_[static_cast<std::size_t>(tap + radius_)];
-      const float* in =
-          axis_ == 0 ? padded.data() + radius_ + tap : volume_.voxels.data() + row_at(j, k, tap) * volume_.grid.size[0];
-      for (auto i = from; i < to; ++i) out[i] += weight * in[i];
-    }
+    const auto in = [&](std::int64_t tap) {
+      return from + (axis_ == 0 ? padded.data() + radius_ + tap : in_ + row_at(j, k, tap) * size_[0]);
+    };
+    auto tap = -radius_;
+    for (; tap + 4 <= radius_ + 1; tap += 4)
+      add_four(weights_.data() + tap + radius_, in(tap), in(tap + 1), in(tap + 2), in(tap + 3), to - from, out + from);
+    for (; tap <= radius_; ++tap)
+      add_one(weights_[static_cast<std::size_t>(tap + radius_)], in(tap), to - from, out + from);
   }
 
-  const Volume<float>& volume_;
+  Index3 size_;
+  const float* in_;
   const Stretches& stretches_;
   std::size_t axis_;
   const std::vector<float>& weights_;
   std::int64_t radius_;
 };
 
-void smooth_axis(Volume<float>& volume, Stretches& stretches, std::size_t axis, const std::vector<float>& weights,
-                 std::vector<float>& result) {
-  const auto& size = volume.grid.size;
-  const AxisPass pass(volume, stretches, axis, weights);
+// `out` may be `in` along the first axis only.
+void smooth_axis(const Index3& size, const float* in, Stretches& stretches, std::size_t axis,
+                 const std::vector<float>& weights, float* out) {
+  const AxisPass pass(size, in, stretches, axis, weights);
   Stretches smoothed{stretches.per_row, std::vector<float>(stretches.value.size())};
   parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
     std::vector<float> padded(static_cast<std::size_t>(size[0]) + weights.size());
     for (auto k = begin; k < end; ++k)
-      for (std::int64_t j = 0; j < size[1]; ++j)
-        pass.smooth_row(j, k, padded, result.data() + volume.grid.offset(0, j, k), smoothed.row(k * size[1] + j));
+      for (std::int64_t j = 0; j < size[1]; ++j) {
+        const auto row = k * size[1] + j;
+        pass.smooth_row(j, k, padded, out + row * size[0], smoothed.row(row));
+      }
   });
-  volume.voxels.swap(result);
   stretches = std::move(smoothed);
 }
 
@@ -156,6 +170,27 @@ void Box::add(const Index3& at) {
     low[axis] = std::min(low[axis], at[axis]);
     high[axis] = std::max(high[axis], at[axis]);
   }
+}
+
+void Spans::Span::add(std::int64_t low, std::int64_t high) {
+  first = std::min(first, low);
+  last = std::max(last, high);
+}
+
+Spans::Span Spans::row(std::int64_t j, std::int64_t k) const {
+  const bool is_on = j >= 0 && k >= 0 && j < size[1] && k < size[2];
+  return is_on ? rows[static_cast<std::size_t>(k * size[1] + j)] : Span{};
+}
+
+void Spans::add(const Box& box) {
+  const auto low = [&](std::size_t axis) { return std::max<std::int64_t>(0, box.low[axis]); };
+  const auto high = [&](std::size_t axis) { return std::min(size[axis] - 1, box.high[axis]); };
+  for (auto k = low(2); k <= high(2); ++k)
+    for (auto j = low(1); j <= high(1); ++j) rows[static_cast<std::size_t>(k * size[1] + j)].add(low(0), high(0));
+}
+
+Spans no_spans(const Index3& size) {
+  return {size, std::vector<Spans::Span>(static_cast<std::size_t>(size[1] * size[2]))};
 }
 
 Kernels gaussian_kernels(const Vec3& sigma_voxels) {
@@ -177,13 +212,23 @@ Kernels sharp_kernels(const Vec3& sigma_voxels) {
   return kernels;
 }
 
-void smooth(Volume<float>& volume, const Kernels& kernels) {
+void smooth(Volume<float>& volume, const Kernels& kernels, std::vector<float>& scratch) {
+  const auto& size = volume.grid.size;
   auto stretches = stretches_of(volume);
-  std::vector<float> result(volume.voxels.size());
-  for (std::size_t axis = 0; axis < 3; ++axis) smooth_axis(volume, stretches, axis, kernels[axis], result);
+  scratch.resize(std::max(scratch.size(), volume.voxels.size()));
+  float* own = volume.voxels.data();
+  smooth_axis(size, own, stretches, 0, kernels[0], own);
+  smooth_axis(size, own, stretches, 1, kernels[1], scratch.data());
+  smooth_axis(size, scratch.data(), stretches, 2, kernels[2], own);
 }
 
-ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box, const Kernels& kernels) {
+void smooth(Volume<float>& volume, const Kernels& kernels) {
+  std::vector<float> scratch;
+  smooth(volume, kernels, scratch);
+}
+
+ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box, const Kernels& kernels,
+                       std::vector<float>& scratch) {
   ShareField field;
   field.label = label;
   Grid grid;
@@ -202,13 +247,17 @@ ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box&
         for (std::int64_t i = 0; i < grid.size[0]; ++i) out[i] = in[i] == label ? 1.0F : 0.0F;
       }
   });
-  smooth(field.share, kernels);
+  smooth(field.share, kernels, scratch);
   return field;
 }
 
 float share_at(const ShareField& field, const Index3& voxel) {
   const Index3 at{voxel[0] - field.first[0], voxel[1] - field.first[1], voxel[2] - field.first[2]};
   return field.share.grid.contains(at[0], at[1], at[2]) ? field.share(at[0], at[1], at[2]) : 0.0F;
+}
+
+Index3 reach_of(const Kernels& kernels) {
+  return {radius_of(kernels[0]), radius_of(kernels[1]), radius_of(kernels[2])};
 }
 
 void add_kernel(ShareField& field, const Index3& voxel, float amount, const Kernels& kernels) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "generator/mesh/size_field.hpp"
 #include "mesh/shapes.hpp"
@@ -187,6 +188,61 @@ TEST(Domain, SharpKernelHasNoSecondMoment) {
     EXPECT_NEAR(sum, 1, 1e-5);
     EXPECT_LT(std::abs(moment), 0.1 * width);
   }
+}
+
+// Walls a voxel thick, strands that smoothing would break, and noise; the heart reaches two sides of the map.
+LabelVolume rugged_labels() {
+  std::uint32_t state = 7;
+  return label_cube(24, 1.5, [&](const Vec3& p) {
+    state = 1664525 * state + 1013904223;
+    const double r = norm(p - Vec3{8, 8, 0}) + 1.5 * static_cast<double>(state >> 16U) / 65536;
+    if (std::abs(p.x + 10) < 1 && std::abs(p.y) < 1) return Region::pulmonary_artery;
+    if (r < 8) return Region::lv_blood;
+    if (r < 10) return Region::lv_myocardium;
+    return r < 12 ? Region::rv_blood : p.z < 0 ? Region::torso : Region::bone;
+  });
+}
+
+TEST(Domain, WhatChangedInPartsIsAsIfAllHadBeenDecidedAgain) {
+  const auto labels = rugged_labels();
+  const auto domain = mesh::make_domain(labels, 2);
+  auto again = domain;
+  auto whole = mesh::no_spans(labels.grid.size);
+  whole.add({{0, 0, 0}, {labels.grid.size[0] - 1, labels.grid.size[1] - 1, labels.grid.size[2] - 1}});
+  std::ranges::fill(again.voxels, std::uint8_t{99});
+  std::ranges::fill(again.cubes, std::uint8_t{99});
+  mesh::update_regions(again, labels, whole);
+  EXPECT_EQ(again.voxels, domain.voxels);
+  EXPECT_EQ(again.cubes, domain.cubes);
+}
+
+TEST(Domain, EighthsOfACubeAreTheRegionsThere) {
+  const auto labels = rugged_labels();
+  const auto domain = mesh::make_domain(labels, 2);
+  int mixed = 0;
+  for (std::int64_t k = 0; k + 1 < labels.grid.size[2]; ++k)
+    for (std::int64_t j = 0; j + 1 < labels.grid.size[1]; ++j)
+      for (std::int64_t i = 0; i + 1 < labels.grid.size[0]; ++i) {
+        const auto regions = mesh::regions_of_eighths(domain, {i, j, k});
+        mixed += domain.cubes[static_cast<std::size_t>(labels.grid.offset(i, j, k))] == mesh::MeshDomain::mixed;
+        for (std::size_t part = 0; part < 8; ++part) {
+          const auto at = [&](std::int64_t first, std::size_t axis) {
+            return static_cast<double>(first) + ((part >> axis & 1U) != 0 ? 0.75 : 0.25);
+          };
+          ASSERT_EQ(regions[part], mesh::region_at(domain, {at(i, 0), at(j, 1), at(k, 2)}));
+        }
+      }
+  EXPECT_GT(mixed, 1000);
+}
+
+TEST(Spans, HoldWhatIsOnTheMap) {
+  auto spans = mesh::no_spans({5, 4, 3});
+  spans.add({{-2, 1, 2}, {1, 9, 9}});
+  spans.add({{3, 1, 2}, {3, 1, 2}});
+  EXPECT_EQ(spans.row(1, 2).first, 0);
+  EXPECT_EQ(spans.row(1, 2).last, 3);
+  EXPECT_EQ(spans.row(3, 2).last, 1);
+  for (const auto& [j, k] : {std::pair{0, 2}, {1, 1}, {4, 2}, {-1, 0}, {1, 3}}) EXPECT_EQ(spans.row(j, k).last, -1);
 }
 
 TEST(SizeField, IsFineInWallsAndGrowsAsTold) {

@@ -59,6 +59,12 @@ fs::path inside(const fs::path& folder, const std::string& path) {
 
 }  // namespace
 
+void refuse_inside(const fs::path& output, const fs::path& bundle) {
+  if (lies_in(output, bundle))
+    throw UserError("lies in the bundle, which would no longer be what its manifest says", output.string(),
+                    "name a place outside of it");
+}
+
 void require_safe_names(const std::string& name, const std::string& version) {
   require_safe_name(name, "bundle");
   require_safe_name(version, "version");

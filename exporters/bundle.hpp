@@ -15,6 +15,10 @@
 
 namespace heart::exporters {
 
+/// Throws UserError where a file or folder that is to be written would lie in a bundle's folder: with it the bundle
+/// would no longer be what its manifest says.
+void refuse_inside(const std::filesystem::path& output, const std::filesystem::path& bundle);
+
 /// A file that went into the build: CT, atlas, landmarks ...
 struct BundleInput {
   std::string name;  ///< what it was used as and its file name: "ct: patient.nii.gz"; never a path

@@ -62,7 +62,8 @@ Files export_mesh(std::string_view format, const TetMesh& mesh, const std::strin
                   const std::filesystem::path& folder, std::string_view unit) {
   const ExportFormat& chosen = find_format(format);
   const double scale = unit_scale(unit.empty() ? chosen.unit : unit);
-  if (mesh.cells.empty()) throw UserError("mesh '" + mesh_name + "' has no cells", "export", "");
+  if (mesh.cells.empty())
+    throw UserError("mesh '" + mesh_name + "' has no cells", "export", "shorter edges keep what is small or thin");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw UserError("cannot be made: " + error.message(), folder.string(), "name another output folder");

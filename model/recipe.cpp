@@ -309,6 +309,12 @@ std::vector<SegmentationStep> default_segmentation() {
   return {body, soft, blood};
 }
 
+ValidationSettings bounds_of(const Recipe& recipe) {
+  auto bounds = recipe.validation;
+  if (recipe.fibers.method == "rule") bounds.maximum_inpainted_fraction = 1;
+  return bounds;
+}
+
 Recipe read_recipe(const std::string& path) {
   if (!fs::is_regular_file(path)) throw UserError("recipe does not exist", path, "check the path");
   toml::table table;

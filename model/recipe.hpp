@@ -293,7 +293,7 @@ struct FiberSettings {
   std::vector<int> demons_iterations = {60, 40, 15};  // per level, coarse to fine
   int inpainting_iterations = 200;
   double depth_grid_mm = 0.85;  // spacing of the grid for wall depth and directions, at most grid_mm
-  RuleSettings rule;         // section [fibers.rule]
+  RuleSettings rule;            // section [fibers.rule]
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -352,6 +352,9 @@ struct Recipe {
 
 /// The three splits of a contrast CT: air | body, fat | soft tissue, muscle | blood.
 std::vector<SegmentationStep> default_segmentation();
+
+/// The bounds of the certificate. Where all fibres are by rule, none from an atlas is no gap.
+ValidationSettings bounds_of(const Recipe& recipe);
 
 /// Reads and checks a recipe; relative input paths are resolved against the recipe's folder.
 /// Throws UserError for a missing file, TOML syntax, unknown keys (with the nearest known one) and wrong types.

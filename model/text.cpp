@@ -77,6 +77,17 @@ void check_output(const std::filesystem::path& path) {
   if (access(there.c_str(), W_OK) != 0) refuse_output(path, {errno, std::generic_category()});
 }
 
+bool lies_in(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const auto whole = [&](const fs::path& p) {
+    const auto absolute = fs::weakly_canonical(fs::absolute(p, error), error);
+    return absolute.filename().empty() ? absolute.parent_path() : absolute;
+  };
+  const auto inner = whole(path), outer = whole(folder);
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
+
 void make_folder_of(const std::filesystem::path& path) {
   std::error_code error;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);

@@ -20,6 +20,9 @@ double parse_number(std::string_view text, const std::string& where);
 /// `path` is a folder; changes nothing.
 void check_output(const std::filesystem::path& path);
 
+/// Whether a path is a folder or leads into it, links followed as far as they exist.
+bool lies_in(const std::filesystem::path& path, const std::filesystem::path& folder);
+
 /// What writes the file `path` calls this first: makes the folder it is in. Throws UserError when it cannot.
 void make_folder_of(const std::filesystem::path& path);
 

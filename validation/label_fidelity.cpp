@@ -319,7 +319,10 @@ void add_topology(const Rows& rows, const RegionTopology& mesh, const RegionTopo
   count("pieces", pieces);
   count("pieces_of_labels", label_pieces);
   at_most("pieces_added", pieces - all(labels), 0);
-  at_most("pieces_lost", larger_than(separate_ml, surely_kept * crumb_ml) - all(mesh), 0);
+  // A region without any cell is lost, however small it was.
+  const auto kept_for_sure = larger_than(separate_ml, surely_kept * crumb_ml);
+  const auto least_kept = std::max<std::int64_t>(kept_for_sure, label_volume > 0 ? 1 : 0);
+  at_most("pieces_lost", least_kept - all(mesh), 0);
   count("handles", mesh.handles);
   count("handles_of_labels", labels.handles);
   at_most("handles_added", mesh.handles - labels.handles, bounds != nullptr ? bounds->maximum_handles_added : 0);

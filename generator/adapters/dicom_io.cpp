@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 /// Where a slice lies: the centre of its first pixel, and its rows' and columns' directions.
 struct SlicePlace {
   Vec3 first_mm, along_row, along_column;
+  Vec3 pixel_mm;  // z: 0
 };
 
 std::vector<double> numbers_in(std::string text) {
@@ -83,7 +84,8 @@ SlicePlace place_of(const std::string& file, const std::string& folder) {
   if (p.size() != 3 || o.size() != 6)
     throw UserError("has a slice without ImagePositionPatient or ImageOrientationPatient", folder,
                     "export the series again, as the scanner made it");
-  return {{p[0], p[1], p[2]}, {o[0], o[1], o[2]}, {o[3], o[4], o[5]}};
+  const Vec3 pixels{io->GetSpacing(0), io->GetSpacing(1), 0};
+  return {{p[0], p[1], p[2]}, {o[0], o[1], o[2]}, {o[3], o[4], o[5]}, pixels};
 }
 
 /// How far the slices lie along the first one's normal, in rising order, and how far off that line at most.
@@ -100,6 +102,10 @@ Stack stack_of(const std::vector<SlicePlace>& slices, const std::string& folder)
   for (const auto& slice : slices) {
     if (norm(slice.along_row - start.along_row) + norm(slice.along_column - start.along_column) > same_direction)
       throw UserError("has slices of different orientations", folder, "put the wanted ones in a folder of their own");
+    if (norm(slice.pixel_mm - start.pixel_mm) > same_direction * norm(start.pixel_mm))
+      throw UserError(fmt::format("has slices with pixels of {:g} x {:g} and of {:g} x {:g} mm", start.pixel_mm.x,
+                                  start.pixel_mm.y, slice.pixel_mm.x, slice.pixel_mm.y),
+                      folder, "put the wanted ones in a folder of their own");
     const Vec3 way = slice.first_mm - start.first_mm;
     stack.height_mm.push_back(dot(way, normal));
     stack.shift_mm = std::max(stack.shift_mm, norm(way - stack.height_mm.back() * normal));

@@ -13,11 +13,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <string_view>
 
 #include "generator/adapters/dicom_io.hpp"
 #include "generator/adapters/itk_volume.hpp"
@@ -137,7 +139,24 @@ void check_extent(const Grid& grid, const std::string& path) {
 
 bool is_nifti(const std::string& path) { return path.ends_with(".nii") || path.ends_with(".nii.gz"); }
 
+/// The library takes this frame for another one, turned by 180 degrees about the third axis.
+void refuse_las_frame(const std::string& path) {
+  constexpr std::string_view key = "space:";
+  std::ifstream file(path, std::ios::binary);
+  for (std::string line; std::getline(file, line) && !line.empty() && line != "\r";) {
+    if (!line.starts_with(key)) continue;
+    std::string space;
+    for (const char c : line.substr(key.size()))
+      if (std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '-')
+        space += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (space == "left-anterior-superior" || space == "las")
+      throw UserError("has the frame left-anterior-superior, which cannot be read faithfully", path,
+                      "write it as left-posterior-superior, right-anterior-superior or NIfTI");
+  }
+}
+
 itk::ImageIOBase::Pointer open_header(const std::string& path) {
+  if (path.ends_with(".nrrd")) refuse_las_frame(path);
   const auto io = itk::ImageIOFactory::CreateImageIO(path.c_str(), itk::ImageIOFactory::ReadMode);
   if (!io && is_dicom_file(path))
     throw UserError("is one file of a DICOM series", path, "name the folder that holds the series and nothing else");

@@ -56,6 +56,16 @@ void check_segmentation(const Recipe& recipe) {
     segment::check_side(recipe.segmentation, *name, key);
 }
 
+void check_bounds(const ValidationSettings& bounds) {
+  constexpr double regular_deg = 70.53;  // every cell has an angle at most as wide, and one at least as wide
+  if (!(bounds.minimum_dihedral_deg >= 0 && bounds.minimum_dihedral_deg <= regular_deg))
+    throw UserError(fmt::format("{:g} degrees", bounds.minimum_dihedral_deg), "validation.minimum_dihedral_deg",
+                    fmt::format("give one between 0 and {}, the regular cell's", regular_deg));
+  if (!(bounds.maximum_dihedral_deg >= regular_deg && bounds.maximum_dihedral_deg <= 180))
+    throw UserError(fmt::format("{:g} degrees", bounds.maximum_dihedral_deg), "validation.maximum_dihedral_deg",
+                    fmt::format("give one between {}, the regular cell's, and 180", regular_deg));
+}
+
 /// Other texts would be left out of the citation and the metadata without a word.
 void check_date(const std::string& date) {
   int year = 0, month = 0, day = 0;
@@ -127,6 +137,10 @@ void check_inputs(const Recipe& recipe) {
   check_segmentation(recipe);
   check_meshes(recipe);
   fibers::check_settings(recipe.fibers);
+  check_bounds(recipe.validation);
+  if (recipe.epicardium.max_iterations < 1)
+    throw UserError(fmt::format("{} iterations", recipe.epicardium.max_iterations), "epicardium.max_iterations",
+                    "give one at least; 600 are usual");
   if (!recipe.replace.landmarks.empty() && chambers_are_marked(recipe.landmarks))
     throw UserError("all chambers have seeds already, so that none are looked for", "replace.landmarks",
                     "leave out this file, or the seeds");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -169,6 +170,9 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   if (options.output.filename().empty()) options.output = options.output.parent_path();
   if (!command.no_cache) options.cache_folder = fs::path(options.output.string() + ".cache");
   options.keep_stages = command.keep_stages;
+  if (!command.keep_stages.empty() && lies_in(command.keep_stages, options.output))
+    throw UserError("lies in the folder of the bundle", "--keep-stages " + command.keep_stages,
+                    "name a folder beside it");
   options.replace = command.force;
   options.progress = !command.quiet;
   const BuildResult result = build(recipe, options, comm);
@@ -201,7 +205,7 @@ int validate_command(const ValidateCommand& command) {
   const auto meshes = read_meshes(command.bundle);
   const LabelVolume labels = exporters::read_labels(command.bundle);
   const Recipe recipe = bundle_recipe(command.bundle);
-  const Report measured = certificate(meshes, labels, recipe.mesh, recipe.validation);
+  const Report measured = certificate(meshes, labels, recipe.mesh, bounds_of(recipe));
   Report report = kept_rows(exporters::read_metrics(command.bundle), measured);
   append(report, measured);
   if (known_labels) append(report, validation::compare_labels(labels, *known_labels));
@@ -229,6 +233,7 @@ int export_command(const ExportCommand& command) {
                     fmt::format("its meshes: {}", fmt::join(names, ", ")));
   }
   for (const auto& format : command.formats) exporters::find_format(format);  // before anything is written
+  exporters::refuse_inside(command.output, command.bundle);
   Json files = Json::array();
   for (const auto& [name, entry] : manifest.meshes) {
     if (!command.mesh.empty() && name != command.mesh) continue;
@@ -262,6 +267,7 @@ int verify_command(const std::string& bundle, bool json) {
 }
 
 int pack_command(const std::string& bundle, const std::string& archive, bool json) {
+  exporters::refuse_inside(archive, bundle);
   exporters::pack_bundle(bundle, archive);
   print_written("archive", archive, json);
   return 0;
@@ -296,6 +302,7 @@ int info_command(const std::string& bundle, bool json) {
 }
 
 int report_command(const std::string& bundle, const std::string& html, const std::string& ct_path, bool json) {
+  exporters::refuse_inside(html, bundle);
   check_output(html);
   const auto manifest = exporters::read_manifest(bundle);
   const auto meshes = read_meshes(bundle);
@@ -360,6 +367,27 @@ void remark_on_thin_walls(const mesh::WallLevelSets& walls) {
 
 }  // namespace
 
+namespace {
+
+void require_cells(const TetMesh& mesh, const MeshSettings& settings, const std::string& labels) {
+  if (mesh.cells.empty())
+    throw UserError(fmt::format("nothing of its regions is left at edges of {:g} mm", settings.heart_edge_mm), labels,
+                    "shorter edges keep what is small or thin: --edge");
+}
+
+void remark_on_lost_regions(const TetMesh& mesh, const LabelVolume& labels, const MeshSettings& settings) {
+  std::array<std::int64_t, 256> voxels{}, cells{};
+  for (const auto label : labels.voxels) ++voxels[label];
+  for (const auto region : mesh.region) ++cells[static_cast<std::size_t>(region)];
+  for (const auto& row : region_table())
+    if (row.tag > 0 && voxels[row.tag] > 0 && cells[row.tag] == 0)
+      fmt::print(
+          stderr, "warning: {} ({:.3g} mm3 of the label map) has no cell at edges of {:g} mm: use shorter ones\n",
+          row.name, static_cast<double>(voxels[row.tag]) * labels.grid.voxel_volume_mm3(), settings.heart_edge_mm);
+}
+
+}  // namespace
+
 int mesh_command(const MeshCommand& command) {
   MeshSettings settings;
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
@@ -393,6 +421,8 @@ int mesh_command(const MeshCommand& command) {
     mesh = mesh::mesh_labels(labels, settings, &steps, edges);
     fidelity = check_fidelity(name, mesh, labels, settings, {});
   }
+  require_cells(mesh, settings, command.labels);
+  remark_on_lost_regions(mesh, labels, settings);
   const auto files = write_mesh(command.output, mesh);
   Report report = validation::check_mesh(name, mesh, {});
   append(report, fidelity);

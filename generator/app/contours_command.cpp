@@ -175,6 +175,12 @@ void check_command(const ContoursCommand& command) {
   if (command.method != "broken-circle" && (command.input.empty() || command.output.empty()))
     throw UserError("an image to read and a mask to write are needed", "contours " + command.method,
                     "heartgen contours " + command.method + " in.nii.gz inside.nii.gz --seed x,y,z");
+  if (!(command.share > 0 && command.share < 1))
+    throw UserError(fmt::format("a share of {:g}", command.share), "contours --share", "give one between 0 and 1");
+  constexpr double most_balloon = 1000;  // times the speed by curvature of a radius of a millimetre
+  if (!(std::abs(command.balloon) <= most_balloon))
+    throw UserError(fmt::format("a speed of {:g}", command.balloon), "contours --balloon",
+                    fmt::format("give one between -{0:g} and {0:g}", most_balloon));
 }
 
 }  // namespace

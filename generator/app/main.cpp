@@ -11,12 +11,14 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <thread>
 
 #include "generator/app/options.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/app/watch.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/text.hpp"
 
 namespace {
 
@@ -25,6 +27,7 @@ using namespace heart::app;
 
 constexpr int exit_defect = 1;
 constexpr int exit_user = 2;
+constexpr unsigned threads_per_processor = 16;  // for the same bits on small machines; more only wait
 
 /// Long work says so; a build tells of its stages, and `bench` of its benchmarks.
 std::unique_ptr<Watch> watch_over(const Program& p) {
@@ -38,6 +41,10 @@ std::unique_ptr<Watch> watch_over(const Program& p) {
 
 int run(Program& p) {
   if (p.threads < 0) throw UserError("must be positive", "--threads", "give the number of threads");
+  const auto most_threads = static_cast<int>(threads_per_processor * std::max(1U, std::thread::hardware_concurrency()));
+  if (p.threads > most_threads)
+    throw UserError(fmt::format("{} threads would wait for each other", p.threads), "--threads",
+                    fmt::format("give at most {} on this machine, or 0 for one per processor", most_threads));
   if (p.threads > 0) parallel::set_thread_count(p.threads);
   if (!p.size.empty()) p.phantom.size = p.accuracy.size = p.bench.size = {p.size[0], p.size[1], p.size[2]};
   if (!p.spacing.empty())
@@ -49,7 +56,13 @@ int run(Program& p) {
 /// CLI11 has exit codes of its own; ours are 0 for --help and 2 for a mistake.
 int parse_failed(Program& p, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return p.comm.is_root() ? p.app.exit(error) : 0;
-  if (p.comm.is_root()) fmt::print(stderr, "heartgen: {} (heartgen --help shows the commands)\n", error.what());
+  std::string what = error.what();
+  if (const auto left = p.app.remaining(); p.app.get_subcommands().empty() && !left.empty()) {
+    std::vector<std::string> names;
+    for (const auto* command : p.app.get_subcommands({})) names.push_back(command->get_name());
+    what = fmt::format("unknown command \"{}\": did you mean \"{}\"?", left.front(), nearest_name(left.front(), names));
+  }
+  if (p.comm.is_root()) fmt::print(stderr, "heartgen: {} (heartgen --help shows the commands)\n", what);
   return exit_user;
 }
 

@@ -1,13 +1,16 @@
 // `heartgen phantom`: the analytic data set on disk, with a recipe that builds it.
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "datasets/phantom/phantom.hpp"
+#include "exporters/files.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/app/commands.hpp"
+#include "model/error.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 
@@ -64,6 +67,17 @@ std::string recipe_text(int variant) {
       variant);
 }
 
+/// Only what this command has written is written over.
+void require_own(const fs::path& recipe) {
+  if (!fs::exists(recipe)) return;
+  const auto text = exporters::read_text(recipe);
+  const auto name = text.find("phantom-");
+  const int variant = name == std::string::npos ? 0 : std::atoi(text.c_str() + name + std::string("phantom-").size());
+  if (text != recipe_text(variant))
+    throw UserError("exists, and is not as this command writes it", recipe.string(),
+                    "name another folder, or move it away");
+}
+
 }  // namespace
 
 int phantom_command(const PhantomCommand& command) {
@@ -74,6 +88,7 @@ int phantom_command(const PhantomCommand& command) {
   settings.noise_hu = command.noise_hu;
   const fs::path folder = command.folder, recipe = folder / "recipe.toml";
   check_output(recipe);
+  require_own(recipe);
   const datasets::Phantom phantom = datasets::make_phantom(settings);
   write_truth(folder / "truth", phantom);
   write_companions(folder, phantom);

@@ -128,12 +128,12 @@ Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& 
                    const validation::FacesOfMeshes& faces, const fibers::FiberResult& fibers) {
   ReportParts parts;
   parts.push_back({[&] { return validation::check_labels(labels, needed_regions()); }});
-  for (auto& part : mesh_certificate(meshes, faces, labels, recipe.mesh, recipe.validation))
+  for (auto& part : mesh_certificate(meshes, faces, labels, recipe.mesh, bounds_of(recipe)))
     parts.push_back(std::move(part));
   parts.push_back({[&] {
-    return validation::check_fibers(meshes.at("myocardium"), registration_figures(fibers), recipe.validation);
+    return validation::check_fibers(meshes.at("myocardium"), registration_figures(fibers), bounds_of(recipe));
   }});
-  parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, recipe.validation); }});
+  parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, bounds_of(recipe)); }});
   if (!ct.voxels.empty()) parts.push_back({[&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); }});
   return joined(parts);
 }

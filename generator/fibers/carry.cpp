@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <stdexcept>
+#include <string_view>
 
 #include "generator/atlas/distance_map.hpp"
 #include "generator/fibers/atrial_rule.hpp"
@@ -248,6 +249,14 @@ void check_settings(const FiberSettings& settings) {
       settings.depth_grid_mm > settings.grid_mm)
     throw UserError("the grids of the fibre stage are out of range", "fibers.grid_mm, fibers.depth_grid_mm",
                     "use 0.3 <= depth_grid_mm <= grid_mm <= 6");
+  if (settings.demons_iterations.empty())
+    throw UserError("no level of the registration", "fibers.demons_iterations", "name the iterations of one at least");
+  const auto check_angle = [](const char* key, double value, const char*) {
+    if (std::string_view(key).ends_with("_deg") && !(std::abs(value) <= 90))
+      throw UserError(fmt::format("an angle of {:g} degrees", value), std::string("fibers.rule.") + key,
+                      "give one between -90 and 90");
+  };
+  RuleSettings::describe(check_angle, settings.rule);
 }
 
 FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, const Landmarks& landmarks,

@@ -174,8 +174,10 @@ void check_settings(const MeshSettings& s) {
   if (s.wall_layers < 0 || s.wall_layers > most_wall_layers)
     throw UserError(fmt::format("wall_layers is {}", s.wall_layers), "recipe, [mesh]",
                     fmt::format("it must be a whole number from 0 to {}", most_wall_layers));
-  if (!(s.smoothing_mm >= 0) || !std::isfinite(s.smoothing_mm))
-    throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]", "it must not be negative");
+  constexpr double most_smoothing_mm = 20;  // nothing of a heart is left then
+  if (!(s.smoothing_mm >= 0 && s.smoothing_mm <= most_smoothing_mm))
+    throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]",
+                    fmt::format("it must be between 0 and {:g}", most_smoothing_mm));
 }
 
 LabelVolume heart_only(const LabelVolume& labels) {

@@ -108,10 +108,15 @@ double bright_grey(const CtVolume& ct, const Landmarks& landmarks, const char* n
   const Vec3& seed = landmarks.seeds_mm.at(name);
   const double grey = median_around(ct, seed, seed_ball_mm, least);
   if (grey > least) return grey;
-  throw UserError(fmt::format("the seed is not in contrast-filled blood: {:.0f} HU there, muscle has {:.0f} HU",
-                              median_around(ct, seed, seed_ball_mm), muscle_hu),
-                  fmt::format("landmarks: seed {} at ({:.1f}, {:.1f}, {:.1f}) mm", name, seed.x, seed.y, seed.z),
-                  "move the seed into the chamber's blood, or use a CT with contrast agent");
+  constexpr double no_tissue_hu = -2000;  // of what is not looked at
+  const double all = median_around(ct, seed, seed_ball_mm);
+  const auto where = fmt::format("landmarks: seed {} at ({:.1f}, {:.1f}, {:.1f}) mm", name, seed.x, seed.y, seed.z);
+  if (all < no_tissue_hu)
+    throw UserError("the seed lies outside of what is searched for blood", where,
+                    "move it into the chamber's blood; chambers.heart_radius_mm may be too small");
+  throw UserError(
+      fmt::format("the seed is not in contrast-filled blood: {:.0f} HU there, muscle has {:.0f} HU", all, muscle_hu),
+      where, "move the seed into the chamber's blood, or use a CT with contrast agent");
 }
 
 SeedGreys seed_greys(const CtVolume& ct, const Landmarks& landmarks, double muscle_hu) {

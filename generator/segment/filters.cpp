@@ -86,12 +86,31 @@ Filter make_perona_malik() {
           }};
 }
 
+// Without one there is nothing to measure from: the image would come back as it is.
+void require_zero_level(const Image& image, const char* filter, const Comm& comm) {
+  const auto count = [&](const auto& is_counted) {
+    return sum_rows(image, comm, [&](std::int64_t j, std::int64_t k) {
+      const float* row = image.row(j, k);
+      return static_cast<double>(std::count_if(row, row + image.grid.size[0], is_counted));
+    });
+  };
+  const bool has_inside = count([](float v) { return v < 0; }) > 0;
+  if (has_inside && count([](float v) { return v >= 0; }) > 0) return;
+  throw UserError(has_inside ? "the image is negative everywhere: it has no zero level"
+                             : "the image is negative nowhere: it has no zero level",
+                  std::string("filter ") + filter,
+                  "give one that is negative inside and positive outside: of a mask, 0.5 minus its values");
+}
+
 Filter make_redistance() {
   return {{"redistance",
            "signed distance to the zero level, mm, negative inside, by fast sweeping",
            "|∇φ| = 1, φ = 0 where the image is 0 (the steady state of 8.3); errors of a hundredth of a voxel",
            {}},
-          [](Image& image, const Values&, const Comm& comm) { fast_sweeping(image, comm); }};
+          [](Image& image, const Values&, const Comm& comm) {
+            require_zero_level(image, "redistance", comm);
+            fast_sweeping(image, comm);
+          }};
 }
 
 Filter make_reinitialise() {
@@ -100,7 +119,10 @@ Filter make_reinitialise() {
            "the same by the evolution equation of thesis 8.2, near the zero level",
            "φ_t = S(φ0) (1 - |∇φ|) (8.3), |∇φ| upwind (8.6, 8.7)",
            {{"iterations", static_cast<double>(d.iterations), "number of steps; distances spread half a voxel each"}}},
-          [](Image& image, const Values& p, const Comm& comm) { redistance(image, {p.count("iterations")}, comm); }};
+          [](Image& image, const Values& p, const Comm& comm) {
+            require_zero_level(image, "reinitialise", comm);
+            redistance(image, {p.count("iterations")}, comm);
+          }};
 }
 
 Filter make_sobolev() {
@@ -147,6 +169,7 @@ const std::vector<Filter>& registry() {
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
   std::string list;
   for (const auto& name : known) list += (list.empty() ? "" : ", ") + name;
+  if (known.empty()) return std::string("it takes none");
   return "did you mean \"" + nearest_name(word, known) + "\"? Known: " + list;
 }
 

@@ -1,5 +1,8 @@
 #include "generator/segment/sobolev.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "generator/segment/primal_dual.hpp"
@@ -48,12 +51,26 @@ void step(Slab<float>& u, Slab<float>& r, Slab<float>& d, Slab<float>& next, con
   std::swap(d.values, next.values);
 }
 
+constexpr double most_extents = 4;  // greater lengths change nothing but the number of steps, without end
+
+double largest_extent(const Grid& grid) {
+  double largest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    largest = std::max(largest, static_cast<double>(grid.size[static_cast<std::size_t>(axis)]) * grid.spacing_mm[axis]);
+  return largest;
+}
+
 }  // namespace
 
 void sobolev(Slab<float>& image, const SobolevSettings& settings, const Comm& comm) {
   if (!(settings.length_mm >= 0)) throw UserError("length_mm must not be negative", "sobolev", "");
   if (!(settings.tolerance > 0 && settings.tolerance < 1))
     throw UserError("tolerance must lie in (0, 1)", "sobolev", "1e-4 is the usual value");
+  const double most_mm = most_extents * largest_extent(image.grid);
+  if (settings.length_mm > most_mm)
+    throw UserError(
+        fmt::format("length_mm is {:g}, the image's longest side {:g} mm", settings.length_mm, most_mm / most_extents),
+        "sobolev", fmt::format("give at most {:g}: there the image has become its mean", most_mm));
   const double length = settings.length_mm / smallest_spacing(image.grid);
   const AxisWeights laplacian = squared(axis_weights(image.grid), length * length);
   const double largest = 1 + 4 * (double{laplacian.x} + laplacian.y + laplacian.z);

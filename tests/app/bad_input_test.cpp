@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 
@@ -111,7 +112,7 @@ TEST_F(BadInput, ResolutionsOutOfRangeOrTwice) {
 }
 
 TEST_F(BadInput, UnknownSubcommandAndOption) {
-  message_of("biuld recipe.toml");
+  expect_message("biuld recipe.toml", {"biuld", "\"build\""});
   message_of("build --quiet recipe.toml --outptu out");
   message_of("info");
 }
@@ -291,6 +292,56 @@ TEST_F(BadInput, PhantomOutOfRange) {
   message_of("phantom out --size 2,2,2");
   message_of("phantom out --spacing 0,1,1");
   message_of("phantom out --variant -1");
+}
+
+TEST_F(BadInput, FiltersThatCouldNotSayWhatTheyPromise) {
+  Grid grid;
+  grid.size = {24, 24, 24};
+  Mask mask(grid);
+  mask(12, 12, 12) = 1;
+  adapters::write_volume((folder / "mask.nii.gz").string(), mask);
+  for (const char* filter : {"redistance", "reinitialise"})
+    expect_message(std::string("filter ") + filter + " mask.nii.gz out.nii.gz", {"zero level", "mask"});
+  expect_message("filter redistance ct.nii.gz out.nii.gz --iterations 3", {"iterations", "takes none"});
+  expect_message("filter sobolev ct.nii.gz out.nii.gz --length_mm 1e4", {"length_mm", "96 mm", "384"});
+  EXPECT_FALSE(fs::exists(folder / "out.nii.gz"));
+}
+
+TEST_F(BadInput, SettingsThatCannotBe) {
+  for (const auto& [section, key, value] : {std::array{"validation", "minimum_dihedral_deg", "400"},
+                                            {"validation", "maximum_dihedral_deg", "20"},
+                                            {"epicardium", "max_iterations", "0"},
+                                            {"fibers", "demons_iterations", "[]"},
+                                            {"fibers.rule", "lv_helix_endo_deg", "1e9"},
+                                            {"mesh", "smoothing_mm", "100"}}) {
+    write_recipe(std::string("[") + section + "]\n" + key + " = " + value + "\n");
+    expect_message("build --quiet recipe.toml --output out", {key});
+  }
+}
+
+TEST_F(BadInput, OptionsThatCannotBe) {
+  expect_message("--threads 100000 info none", {"--threads", "100000"});
+  for (const char* share : {"0", "-1", "2", "nan"})
+    expect_message(std::string("contours subjective ct.nii.gz out.nii.gz --seed 50,50,50 --share ") + share,
+                   {"--share"});
+  expect_message("contours geodesic ct.nii.gz out.nii.gz --seed 50,50,50 --balloon 1e9", {"--balloon"});
+  EXPECT_FALSE(fs::exists(folder / "out.nii.gz"));
+}
+
+TEST_F(BadInput, OutputsThatWouldSpoilOthers) {
+  write_recipe("");
+  expect_message("build --quiet recipe.toml --output out --keep-stages out/stages", {"--keep-stages", "out/stages"});
+  expect_message("phantom .", {"recipe.toml", "another folder"});
+  expect_message("pack sub sub/bundle.tar.zst", {"sub/bundle.tar.zst", "outside"});
+  expect_message("report sub sub/report.html", {"sub/report.html", "outside"});
+}
+
+TEST_F(BadInput, AFrameThatTheLibraryMistakes) {
+  std::ofstream(folder / "las.nrrd") << "NRRD0005\ntype: short\ndimension: 3\nspace: left-anterior-superior\n"
+                                        "sizes: 4 4 4\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nkinds: domain domain "
+                                        "domain\nendian: little\nencoding: raw\nspace origin: (1,2,3)\n\n"
+                                     << std::string(128, '\0');
+  expect_message("filter heat las.nrrd out.nii.gz", {"las.nrrd", "left-anterior-superior", "NIfTI"});
 }
 
 }  // namespace

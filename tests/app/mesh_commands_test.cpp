@@ -137,6 +137,28 @@ TEST(MeshCommand, EdgesThatNoMeshHasAreRefusedAsSuch) {
   }
 }
 
+TEST(MeshCommand, ARegionThatIsTooSmallIsMissedAloud) {
+  const auto folder = testing::scratch_folder("mesh_lost_region");
+  Grid grid;
+  grid.size = {30, 30, 30};
+  LabelVolume labels(grid), dot(grid);
+  for (std::int64_t k = 0; k < 30; ++k)
+    for (std::int64_t j = 0; j < 30; ++j)
+      for (std::int64_t i = 0; i < 30; ++i)
+        if (norm(Vec3{static_cast<double>(i) - 12, static_cast<double>(j) - 12, static_cast<double>(k) - 12}) < 8)
+          labels(i, j, k) = tag(Region::lv_blood);
+  labels(27, 27, 27) = dot(27, 27, 27) = tag(Region::rv_blood);
+  adapters::write_volume((folder / "labels.nii.gz").string(), labels);
+  adapters::write_volume((folder / "dot.nii.gz").string(), dot);
+  const auto result = testing::heartgen("mesh labels.nii.gz mesh.vtu --edge 4", folder.string());
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.errors.find("rv_blood (1 mm3 of the label map) has no cell"), std::string::npos) << result.errors;
+  const auto none = testing::heartgen("mesh dot.nii.gz dot.vtu --edge 4", folder.string());
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.errors.find("dot.nii.gz: nothing of its regions is left"), std::string::npos) << none.errors;
+  EXPECT_FALSE(fs::exists(folder / "dot.vtu"));
+}
+
 TEST(BuildCommand, EdgesOfLateMeshesAreLookedAtFirst) {
   const auto folder = testing::scratch_folder("late_edges");
   for (const std::string name : {"trachea_edge_mm", "carotid_edge_mm"}) {

@@ -76,6 +76,15 @@ TEST(Recipe, AnglesOfTheRuleAreASectionOfTheirOwn) {
   EXPECT_EQ(written.fibers.rule.rv_helix_endo_deg, 75);
 }
 
+TEST(Recipe, FibresByRuleAreNoGaps) {
+  Recipe recipe;
+  recipe.validation.minimum_dihedral_deg = 20;
+  EXPECT_EQ(bounds_of(recipe).maximum_inpainted_fraction, 0.5);
+  recipe.fibers.method = "rule";
+  EXPECT_EQ(bounds_of(recipe).maximum_inpainted_fraction, 1);
+  EXPECT_EQ(bounds_of(recipe).minimum_dihedral_deg, 20);
+}
+
 TEST(Recipe, BrokenTomlNamesTheLine) {
   EXPECT_NE(refusal("name = \"a\"\n[mesh\n").where.find(":2"), std::string::npos);
 }

@@ -20,6 +20,17 @@ TEST(MakeFolderOf, TouchesNoFile) {
   EXPECT_EQ(testing::bytes_of(folder / "old.json"), "{}");
 }
 
+TEST(LiesIn, KnowsFoldersHoweverTheyAreWritten) {
+  const auto folder = testing::scratch_folder("lies_in");
+  fs::create_directories(folder / "bundle" / "meshes");
+  for (const char* path : {"bundle", "bundle/", "bundle/new/file.txt", "bundle/meshes/../x", "other/../bundle/x"})
+    EXPECT_TRUE(lies_in(folder / path, folder / "bundle")) << path;
+  for (const char* path : {"", "bundle.tar", "bundles/x", "bundle/../x", "meshes"})
+    EXPECT_FALSE(lies_in(folder / path, folder / "bundle")) << path;
+  fs::create_directory_symlink(folder / "bundle", folder / "link");
+  EXPECT_TRUE(lies_in(folder / "link" / "x", folder / "bundle" / ""));
+}
+
 TEST(CheckOutput, LeavesNothingBehind) {
   const auto folder = testing::scratch_folder("check_output");
   check_output(folder / "deep" / "er" / "out.json");

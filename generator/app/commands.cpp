@@ -365,25 +365,25 @@ void remark_on_thin_walls(const mesh::WallLevelSets& walls) {
                  100 * lost, region_name(label));
 }
 
-}  // namespace
-
-namespace {
-
 void require_cells(const TetMesh& mesh, const MeshSettings& settings, const std::string& labels) {
   if (mesh.cells.empty())
     throw UserError(fmt::format("nothing of its regions is left at edges of {:g} mm", settings.heart_edge_mm), labels,
                     "shorter edges keep what is small or thin: --edge");
 }
 
-void remark_on_lost_regions(const TetMesh& mesh, const LabelVolume& labels, const MeshSettings& settings) {
+void remark_on_lost_regions(const TetMesh& mesh, const LabelVolume& labels, const MeshCommand& command,
+                            double edge_mm) {
   std::array<std::int64_t, 256> voxels{}, cells{};
   for (const auto label : labels.voxels) ++voxels[label];
   for (const auto region : mesh.region) ++cells[static_cast<std::size_t>(region)];
+  const auto is_wanted = [&](const NamedTag& row) {
+    return row.tag > 0 && (!command.walls || is_myocardium(static_cast<Region>(row.tag)));
+  };
   for (const auto& row : region_table())
-    if (row.tag > 0 && voxels[row.tag] > 0 && cells[row.tag] == 0)
-      fmt::print(
-          stderr, "warning: {} ({:.3g} mm3 of the label map) has no cell at edges of {:g} mm: use shorter ones\n",
-          row.name, static_cast<double>(voxels[row.tag]) * labels.grid.voxel_volume_mm3(), settings.heart_edge_mm);
+    if (is_wanted(row) && voxels[row.tag] > 0 && cells[row.tag] == 0)
+      fmt::print(stderr,
+                 "warning: {} ({:.3g} mm3 of the label map) has no cell at edges of {:g} mm: use shorter ones\n",
+                 row.name, static_cast<double>(voxels[row.tag]) * labels.grid.voxel_volume_mm3(), edge_mm);
 }
 
 }  // namespace
@@ -422,7 +422,7 @@ int mesh_command(const MeshCommand& command) {
     fidelity = check_fidelity(name, mesh, labels, settings, {});
   }
   require_cells(mesh, settings, command.labels);
-  remark_on_lost_regions(mesh, labels, settings);
+  remark_on_lost_regions(mesh, labels, command, settings.heart_edge_mm);
   const auto files = write_mesh(command.output, mesh);
   Report report = validation::check_mesh(name, mesh, {});
   append(report, fidelity);

@@ -81,12 +81,12 @@ ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const
                              const ValidationSettings& bounds) {
   ReportParts parts;
   for (const auto& [mesh_name, named] : meshes)
-    parts.push_back({[&faces, &bounds, name = mesh_name, &mesh = named] {
+    parts.push_back({[&faces, bounds, name = mesh_name, &mesh = named] {
       return validation::check_mesh(name, mesh, faces.at(name), bounds);
     }});
   if (labels.voxels.empty()) return parts;
   const auto add_fidelity = [&](const std::string& mesh_name, bool whole_map) {
-    const auto rows = [&, name = mesh_name, whole_map] {
+    const auto rows = [&meshes, &faces, &labels, &mesh_settings, bounds, name = mesh_name, whole_map] {
       return fidelity_rows(name, meshes.at(name), faces.at(name), whole_map ? labels : heart_only(labels),
                            mesh_settings, bounds);
     };

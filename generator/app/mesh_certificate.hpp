@@ -28,7 +28,7 @@ using ReportParts = std::vector<ReportPart>;
 Report joined(const ReportParts& parts);
 
 /// Rows of group "mesh". Without labels (no voxels) the meshes are checked by themselves only. `faces` of each of the
-/// meshes. The parts refer to all arguments.
+/// meshes. The parts refer to all arguments but the bounds, which they hold.
 ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const validation::FacesOfMeshes& faces,
                              const LabelVolume& labels, const MeshSettings& mesh_settings,
                              const ValidationSettings& bounds);

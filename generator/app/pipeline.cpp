@@ -126,14 +126,13 @@ validation::RegistrationFigures registration_figures(const fibers::FiberResult& 
 
 Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, const Meshes& meshes,
                    const validation::FacesOfMeshes& faces, const fibers::FiberResult& fibers) {
+  const auto bounds = bounds_of(recipe);
   ReportParts parts;
   parts.push_back({[&] { return validation::check_labels(labels, needed_regions()); }});
-  for (auto& part : mesh_certificate(meshes, faces, labels, recipe.mesh, bounds_of(recipe)))
-    parts.push_back(std::move(part));
-  parts.push_back({[&] {
-    return validation::check_fibers(meshes.at("myocardium"), registration_figures(fibers), bounds_of(recipe));
-  }});
-  parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, bounds_of(recipe)); }});
+  for (auto& part : mesh_certificate(meshes, faces, labels, recipe.mesh, bounds)) parts.push_back(std::move(part));
+  parts.push_back(
+      {[&] { return validation::check_fibers(meshes.at("myocardium"), registration_figures(fibers), bounds); }});
+  parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, bounds); }});
   if (!ct.voxels.empty()) parts.push_back({[&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); }});
   return joined(parts);
 }

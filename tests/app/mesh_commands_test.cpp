@@ -112,6 +112,7 @@ TEST(MeshCommand, MeshesTheWallsAloneAndTellsOfThoseThatAreTooThin) {
   const auto run = testing::heartgen("mesh ball.nii.gz walls.vtu --edge 2 --walls --json", folder.string());
   ASSERT_EQ(run.exit_code, 0) << run.output << run.errors;
   EXPECT_EQ(run.errors.find("too thin"), std::string::npos) << run.errors;
+  EXPECT_EQ(run.errors.find("has no cell"), std::string::npos) << run.errors;  // blood is not asked for
   std::ifstream file(folder / "walls_markers.json");
   const auto markers = nlohmann::json::parse(file);
   EXPECT_EQ(markers.size(), 3U) << markers;

@@ -44,8 +44,7 @@ TEST(LatticeCells, WhatFitsIntoTheLatticeKeepsItsEdges) {
   EXPECT_GT(narrowest, 0.9F * widest);
 }
 
-/// Cells apart from each other, in each of which two faces meet at one of the angles, the other angles between 45 and
-/// 120 degrees.
+/// Cells apart from each other, in each of which two faces meet at one of the angles.
 Complex cells_with(const std::vector<double>& angles_deg) {
   Complex c;
   for (const double angle_deg : angles_deg) {

@@ -279,8 +279,11 @@ bool is_edge(const Complex& complex, std::int32_t a, std::int32_t b) {
 std::array<std::int32_t, 2> cells_at_face(const Complex& complex, std::int32_t a, std::int32_t b, std::int32_t c) {
   std::array<std::int32_t, 2> found{-1, -1};
   std::size_t count = 0;
-  for (const auto cell : complex.star(a))
-    if (has(complex.cell(cell), b) && has(complex.cell(cell), c) && count < 2) found[count++] = cell;
+  for (const auto cell : complex.star(a)) {
+    if (!has(complex.cell(cell), b) || !has(complex.cell(cell), c)) continue;
+    found[count++] = cell;
+    if (count == found.size()) break;
+  }
   return found;
 }
 

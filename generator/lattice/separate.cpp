@@ -52,20 +52,49 @@ bool shares_edge(const Face& a, const Face& b) {
   return shared > 1;
 }
 
-// Whether an edge of `a` that has no node of `b` goes through `b`. Most faces lie on one side of the other's plane.
-bool pierces(const Faces& all, const Face& a, const Face& b) {
-  const Triangle t{all.at(b[0]), all.at(b[1]), all.at(b[2])};
+/// Of a face's nodes, as another face sees them: on which side of its plane, and which of them are its own.
+struct Sides {
+  std::array<double, 3> side{};
+  std::array<bool, 3> is_shared{};
+  bool is_one() const {
+    bool has_low = false, has_high = false;
+    for (std::size_t i = 0; i < 3; ++i) {
+      has_low = has_low || (!is_shared[i] && side[i] <= 0);
+      has_high = has_high || (!is_shared[i] && side[i] >= 0);
+    }
+    return !has_low || !has_high;
+  }
+};
+
+Sides sides_of(const Faces& all, const Face& a, const Face& b, const Triangle& t) {
   const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
-  std::array<double, 3> side;
-  for (std::size_t i = 0; i < 3; ++i) side[i] = dot(normal, all.at(a[i]) - t[0]);
-  const auto is_shared = [&](std::int32_t n) { return n == b[0] || n == b[1] || n == b[2]; };
+  Sides sides;
+  for (std::size_t i = 0; i < 3; ++i) {
+    sides.side[i] = dot(normal, all.at(a[i]) - t[0]);
+    sides.is_shared[i] = a[i] == b[0] || a[i] == b[1] || a[i] == b[2];
+  }
+  return sides;
+}
+
+// Whether an edge that has no node of a face goes through that face.
+bool pierces(const Sides& sides, const Triangle& edges, const Triangle& face) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t next = (i + 1) % 3;
-    const bool one_side = (side[i] > 0 && side[next] > 0) || (side[i] < 0 && side[next] < 0);
-    if (!one_side && !is_shared(a[i]) && !is_shared(a[next]) && line_goes_through(all.at(a[i]), all.at(a[next]), t))
+    const bool one_side = (sides.side[i] > 0 && sides.side[next] > 0) || (sides.side[i] < 0 && sides.side[next] < 0);
+    if (!one_side && !sides.is_shared[i] && !sides.is_shared[next] && line_goes_through(edges[i], edges[next], face))
       return true;
   }
   return false;
+}
+
+// Whether an edge of one goes through the other. Most faces lie on one side of the other's plane: no edge of either
+// can go through the other then.
+bool meet(const Faces& all, const Face& a, const Face& b) {
+  const Triangle p{all.at(a[0]), all.at(a[1]), all.at(a[2])}, q{all.at(b[0]), all.at(b[1]), all.at(b[2])};
+  const auto seen_from_b = sides_of(all, a, b, q);
+  if (seen_from_b.is_one()) return false;
+  const auto seen_from_a = sides_of(all, b, a, p);
+  return !seen_from_a.is_one() && (pierces(seen_from_b, p, q) || pierces(seen_from_a, q, p));
 }
 
 struct FaceBox : Box {
@@ -161,7 +190,7 @@ void add_meeting(const Faces& all, const std::vector<FaceBox>& boxes, const Cube
       const auto f = grid.faces[static_cast<std::size_t>(i)], g = grid.faces[static_cast<std::size_t>(j)];
       const auto &a = boxes[static_cast<std::size_t>(f)], &b = boxes[static_cast<std::size_t>(g)];
       if (!a.meets(b) || !is_first(a, b) || shares_edge(all.face(f), all.face(g))) continue;
-      if (pierces(all, all.face(f), all.face(g)) || pierces(all, all.face(g), all.face(f))) pairs.emplace_back(f, g);
+      if (meet(all, all.face(f), all.face(g))) pairs.emplace_back(f, g);
     }
 }
 
@@ -202,10 +231,11 @@ std::vector<Face> faces_near(const Complex& c, const std::vector<Face>& faces, c
   boxes.reserve(some.size());
   for (const auto& face : some) boxes.push_back(box_of(c, face));
   const MarkedCubes cubes(boxes);
-  std::vector<Face> near;
-  std::copy_if(faces.begin(), faces.end(), std::back_inserter(near),
-               [&](const Face& face) { return cubes.may_meet(box_of(c, face)); });
-  return near;
+  return parallel::gather<Face>(0, static_cast<std::int64_t>(faces.size()),
+                                [&](std::int64_t begin, std::int64_t end, std::vector<Face>& near) {
+                                  std::copy_if(faces.begin() + begin, faces.begin() + end, std::back_inserter(near),
+                                               [&](const Face& face) { return cubes.may_meet(box_of(c, face)); });
+                                });
 }
 
 void draw_back(Complex& c, std::int32_t node, const Vec3& way_out, double least_quality) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "generator/lattice/box.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::lattice {
@@ -17,11 +18,8 @@ Vec3 widest_cell(const Complex& c) {
         for (auto i = begin; i < end; ++i) {
           const Cell& cell = c.cell(static_cast<std::int32_t>(i));
           if (cell[0] < 0) continue;
-          for (int axis = 0; axis < 3; ++axis) {
-            const auto [low, high] =
-                std::minmax({c.at(cell[0])[axis], c.at(cell[1])[axis], c.at(cell[2])[axis], c.at(cell[3])[axis]});
-            widest[axis] = std::max(widest[axis], high - low);
-          }
+          const Box box = box_around(std::array{c.at(cell[0]), c.at(cell[1]), c.at(cell[2]), c.at(cell[3])});
+          for (int axis = 0; axis < 3; ++axis) widest[axis] = std::max(widest[axis], box.high[axis] - box.low[axis]);
         }
         of_piece[static_cast<std::size_t>(piece)] = widest;
       });

@@ -15,7 +15,7 @@ namespace heart::lattice {
 /// in [0, node_count) are passed over.
 template <class Visit>
 void visit_stars(std::size_t node_count, std::span<const Cell> cells, Visit&& visit) {
-  parallel::parallel_for(0, static_cast<std::int64_t>(node_count), [&](std::int64_t begin, std::int64_t end) {
+  parallel::parallel_for(0, static_cast<std::int64_t>(node_count), [&](std::int64_t begin, std::int64_t end, int) {
     for (std::size_t c = 0; c < cells.size(); ++c)
       for (const auto n : cells[c])
         if (n >= begin && n < end) visit(static_cast<std::size_t>(n), static_cast<std::int32_t>(c));

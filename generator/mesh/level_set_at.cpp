@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "generator/parallel/threads.hpp"
+
 namespace heart::mesh {
 namespace {
 
@@ -57,14 +59,56 @@ Sample sample(const LevelSet& volume, const Vec3& position) {
            (high - low) / spacing.z}};
 }
 
-double value_at(const LevelSet& volume, const Vec3& position) {
-  const auto cube = cube_at(volume, position);
+namespace {
+
+double value_in(const Cube& cube) {
   const auto across = [&](std::size_t row) {
     const double value = row_of(cube, row).value;
     return value + cube.fraction.y * (row_of(cube, row + 1).value - value);
   };
   const double low = across(0);
   return low + cube.fraction.z * (across(2) - low);
+}
+
+// Of the signs at a cube's corners; at a border that has no next voxel, some of another one's may be among them.
+struct CornerSigns {
+  bool is_any_negative, is_any_other;
+};
+
+CornerSigns corner_signs(const Signs& signs, const std::array<std::size_t, 4>& rows) {
+  unsigned any = 0, all = 3;
+  for (const auto row : rows) {
+    const unsigned two = (signs.bits[row / 8] | signs.bits[row / 8 + 1] << 8U) >> row % 8 & 3U;
+    any |= two;
+    all &= two;
+  }
+  return {any != 0, all != 3};
+}
+
+}  // namespace
+
+double value_at(const LevelSet& volume, const Vec3& position) { return value_in(cube_at(volume, position)); }
+
+Signs signs_of(const LevelSet& volume) {
+  const auto count = static_cast<std::int64_t>(volume.voxels.size());
+  Signs signs;
+  signs.bits.assign(static_cast<std::size_t>(count / 8 + 2), 0);  // one to read beyond the last voxel
+  parallel::parallel_for(0, count / 8 + 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto byte = begin; byte < end; ++byte)
+      for (auto v = 8 * byte; v < std::min(8 * byte + 8, count); ++v)
+        if (volume.voxels[static_cast<std::size_t>(v)] < 0)
+          signs.bits[static_cast<std::size_t>(byte)] |= static_cast<std::uint8_t>(1U << (v % 8));
+  });
+  return signs;
+}
+
+bool is_negative_at(const LevelSet& volume, const Signs& signs, const Vec3& position) {
+  const auto cube = cube_at(volume, position);
+  const auto first = static_cast<std::size_t>(cube.first - volume.voxels.data());
+  const auto y = static_cast<std::size_t>(cube.step[1]), z = static_cast<std::size_t>(cube.step[2]);
+  const auto corners = corner_signs(signs, {first, first + y, first + z, first + y + z});
+  if (!corners.is_any_negative) return false;
+  return !corners.is_any_other || value_in(cube) < 0;
 }
 
 }  // namespace heart::mesh

@@ -53,15 +53,17 @@ std::vector<std::int32_t> cells_at_interfaces(const Tetrahedra& t, const Changes
   return parallel::gather<std::int32_t>(0, static_cast<std::int64_t>(t.cells->size()), find);
 }
 
-/// Of each cell: whether the piece that it belongs to has been looked at.
-using Seen = std::vector<std::uint8_t>;
+/// Of each cell: whether the piece that it belongs to has been looked at, or just now is.
+enum class Look : std::uint8_t { unseen, seen, now };
+using Looks = std::vector<Look>;
 
 // Sets the piece of one label to which a cell belongs; false where it stays: has more than `crumb_cells` cells, or is
 // the outside.
-bool find_crumb(const Tetrahedra& t, std::int32_t seed, std::int64_t crumb_cells, Seen& seen,
+bool find_crumb(const Tetrahedra& t, std::int32_t seed, std::int64_t crumb_cells, Looks& looks,
                 std::vector<std::int32_t>& piece) {
   const auto label = t.label_of(seed);
   piece.assign(1, seed);
+  looks[static_cast<std::size_t>(seed)] = Look::now;
   bool does_stay = false;
   const auto most = static_cast<std::size_t>(crumb_cells);
   for (std::size_t next = 0; next < piece.size() && piece.size() <= most && !does_stay; ++next)
@@ -71,21 +73,24 @@ bool find_crumb(const Tetrahedra& t, std::int32_t seed, std::int64_t crumb_cells
         does_stay = does_stay || label == 0;
         continue;
       }
-      if (t.label_of(other) != label || std::find(piece.begin(), piece.end(), other) != piece.end()) continue;
-      does_stay = does_stay || seen[static_cast<std::size_t>(other)] != 0;
+      auto& look = looks[static_cast<std::size_t>(other)];
+      if (t.label_of(other) != label || look == Look::now) continue;
+      does_stay = does_stay || look == Look::seen;
+      look = Look::now;
       piece.push_back(other);
     }
-  for (const auto cell : piece) seen[static_cast<std::size_t>(cell)] = 1;
+  for (const auto cell : piece) looks[static_cast<std::size_t>(cell)] = Look::seen;
   return !does_stay && piece.size() <= most;
 }
 
 // `changes` since this was last done.
 std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells, const Changes& changes, Changes& made) {
   std::int64_t changed = 0;
-  Seen seen(t.cells->size(), 0);
+  Looks looks(t.cells->size(), Look::unseen);
   std::vector<std::int32_t> piece;
   for (const auto seed : cells_at_interfaces(t, changes)) {
-    if (seen[static_cast<std::size_t>(seed)] != 0 || !find_crumb(t, seed, crumb_cells, seen, piece)) continue;
+    if (looks[static_cast<std::size_t>(seed)] != Look::unseen || !find_crumb(t, seed, crumb_cells, looks, piece))
+      continue;
     const auto label = t.label_of(seed);
     const auto other = most_touched(t, piece, [&](std::int32_t l) { return l != label; });
     if (other < 0) continue;

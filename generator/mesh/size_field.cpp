@@ -10,6 +10,7 @@
 
 #include "generator/lattice/octree.hpp"
 #include "generator/mesh/thin_walls.hpp"
+#include "generator/parallel/threads.hpp"
 #include "generator/segment/distance.hpp"
 #include "model/error.hpp"
 
@@ -60,8 +61,8 @@ Volume<float> finest_edges(const MeshDomain& domain, const MeshSettings& setting
   for (int axis = 0; axis < 3; ++axis)
     factor[static_cast<std::size_t>(axis)] = std::llround(sizes.grid.spacing_mm[axis] / domain.grid.spacing_mm[axis]);
   const auto& size = domain.grid.size;
-  std::size_t voxel = 0;
-  for (std::int64_t k = 0; k < size[2]; ++k)
+  const auto lower_slice = [&](std::int64_t k) {
+    auto voxel = static_cast<std::size_t>(domain.grid.offset(0, 0, k));
     for (std::int64_t j = 0; j < size[1]; ++j) {
       float* row = &sizes(0, j / factor[1], k / factor[2]);
       for (std::int64_t i = 0; i < size[0]; ++i, ++voxel) {
@@ -70,6 +71,10 @@ Volume<float> finest_edges(const MeshDomain& domain, const MeshSettings& setting
         value = std::min(value, own > 0 ? own : edge[domain.voxels[voxel]]);
       }
     }
+  };
+  parallel::parallel_for(0, sizes.grid.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = begin * factor[2]; k < std::min(end * factor[2], size[2]); ++k) lower_slice(k);
+  });
   return sizes;
 }
 

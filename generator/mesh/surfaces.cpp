@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <tuple>
 #include <utility>
 
 #include "generator/parallel/gather.hpp"
+#include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
 #include "model/sort_unique.hpp"
 
@@ -103,10 +105,13 @@ void add_faces(const std::vector<Cell>& cells, const Wanted& wanted, std::int64_
 // Each thread reads all cells, and sorts the faces of its own nodes.
 template <class Keep>
 std::vector<CellFace> faces_where(const std::vector<Cell>& cells, const Wanted& wanted, const Keep& keep) {
-  return parallel::gather<CellFace>(0, count_nodes(cells),
-                                    [&](std::int64_t first, std::int64_t last, std::vector<CellFace>& faces) {
-                                      add_faces(cells, wanted, first, last, keep, faces);
-                                    });
+  std::vector<std::vector<CellFace>> of_thread(static_cast<std::size_t>(parallel::thread_count()));
+  parallel::parallel_for(0, count_nodes(cells), [&](std::int64_t first, std::int64_t last, int thread) {
+    std::vector<CellFace> own;
+    add_faces(cells, wanted, first, last, keep, own);
+    of_thread[static_cast<std::size_t>(thread)] = std::move(own);
+  });
+  return parallel::joined(std::span(std::as_const(of_thread)));
 }
 
 // Keeps the nodes that cells use; returns the new id of every node (-1: dropped).

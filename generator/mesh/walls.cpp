@@ -124,7 +124,7 @@ lattice::Materials materials_of(const WallLevelSets& walls, const Volume<float>&
   auto materials = materials_of(walls.domain, sizes);
   const Vec3 shift = position_of(walls.solid.grid, walls.domain.grid.origin_mm);
   materials.label_at = [&walls, shift](const Vec3& p) {
-    return value_at(walls.solid, p + shift) < 0 ? nearest_at(walls, p) : 0;
+    return is_negative_at(walls.solid, walls.signs, p + shift) ? nearest_at(walls, p) : 0;
   };
   materials.equations_at = [&walls, shift](lattice::LabelBits labels, const Vec3& p,
                                            std::span<lattice::Equation> equations) {
@@ -228,7 +228,8 @@ std::uint8_t nearest_wall(const WallLevelSets& walls, const Vec3& lps_mm) {
 }
 
 int wall_at(const WallLevelSets& walls, const Vec3& lps_mm) {
-  return value_at(walls.solid, position_of(walls.solid.grid, lps_mm)) < 0 ? nearest_wall(walls, lps_mm) : 0;
+  const Vec3 position = position_of(walls.solid.grid, lps_mm);
+  return is_negative_at(walls.solid, walls.signs, position) ? nearest_wall(walls, lps_mm) : 0;
 }
 
 namespace {
@@ -299,6 +300,7 @@ WallLevelSets wall_level_sets(const LabelVolume& labels, const MeshSettings& set
   walls.solid = wall_level_set(walls.domain, voxel_mm,
                                {.wall_mm = std::max(narrowest_mm, thinnest_wall_edges * settings.heart_edge_mm),
                                 .gap_mm = std::max(narrowest_mm, narrowest_gap_edges * settings.heart_edge_mm)});
+  walls.signs = signs_of(walls.solid);
   for (const auto& share : walls.domain.shares) {
     if (!is_wall(share.label)) continue;
     walls.labels.push_back(share.label);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "generator/mesh/lattice_cells.hpp"
+#include "generator/mesh/level_set_at.hpp"
 #include "generator/mesh/solid.hpp"
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
@@ -14,6 +15,7 @@ namespace heart::mesh {
 struct WallLevelSets {
   MeshDomain domain;                 ///< of the part of the label map around the walls
   LevelSet solid;                    ///< of all walls, negative inside, on finer voxels
+  Signs signs;                       ///< of the solid
   std::vector<std::uint8_t> labels;  ///< region tags of the walls that occur, ascending
   std::vector<LevelSet> distances;   ///< to each of them, mm, negative inside, on the grid of the domain
   std::vector<std::uint8_t> cubes;   ///< as in MeshDomain: where one wall is the nearest

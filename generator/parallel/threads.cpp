@@ -20,21 +20,49 @@ void pause() {
 #endif
 }
 
+/// A range cut into a piece for each thread and each piece into parts, large ones first. A thread does the parts of its
+/// own piece, then those of the others that nobody has begun: what takes longer in one half than in the other keeps
+/// nobody waiting.
 struct Loop {
-  std::int64_t begin = 0, end = 0;
-  int pieces = 1;
-  LoopBody body{};
-  std::vector<std::exception_ptr> errors;
+  Loop(std::int64_t first, std::int64_t last, int piece_count, const LoopBody& loop_body)
+      : begin(first), end(last), pieces(piece_count), parts(loop_body.is_divisible ? most_parts : 1), body(loop_body) {
+    begun = std::vector<std::atomic<int>>(static_cast<std::size_t>(pieces));
+    errors.resize(static_cast<std::size_t>(pieces) * static_cast<std::size_t>(parts));
+  }
 
-  void run_piece(int piece) {
-    const auto length = end - begin;
+  void work(int worker) {
     inside_loop = true;
-    try {
-      body.call(body.object, begin + length * piece / pieces, begin + length * (piece + 1) / pieces, piece);
-    } catch (...) {
-      errors[static_cast<std::size_t>(piece)] = std::current_exception();
+    for (int other = 0; other < pieces; ++other) {
+      const int piece = (worker + other) % pieces;
+      auto& next = begun[static_cast<std::size_t>(piece)];
+      for (int part = next++; part < parts; part = next++) run_part(piece, part);
     }
     inside_loop = false;
+  }
+
+  static constexpr int most_parts = 4;
+  std::int64_t begin = 0, end = 0;
+  int pieces = 1, parts = 1;
+  LoopBody body{};
+  std::vector<std::atomic<int>> begun;     ///< parts of each piece
+  std::vector<std::exception_ptr> errors;  ///< of each part
+
+ private:
+  // A half, a quarter, an eighth and the last eighth of the piece.
+  std::int64_t begin_of_part(int piece, int part) const {
+    const auto from = begin + (end - begin) * piece / pieces, to = begin + (end - begin) * (piece + 1) / pieces;
+    return part == parts ? to : to - ((to - from) >> part);
+  }
+
+  void run_part(int piece, int part) {
+    const auto from = begin_of_part(piece, part), to = begin_of_part(piece, part + 1);
+    if (from == to) return;
+    try {
+      body.call(body.object, from, to, piece);
+    } catch (...) {
+      errors[static_cast<std::size_t>(piece) * static_cast<std::size_t>(parts) + static_cast<std::size_t>(part)] =
+          std::current_exception();
+    }
   }
 };
 
@@ -45,7 +73,7 @@ void wait_briefly(const Condition& is_over) {
   for (int i = 0; i < looks && !is_over(); ++i) pause();
 }
 
-/// Workers 1 .. count-1; the caller of run() does piece 0 itself.
+/// Workers 1 .. count-1; the caller of run() is number 0. Who wakes up too late finds nothing left.
 struct Pool {
   explicit Pool(int count) {
     for (int worker = 1; worker < count; ++worker) threads.emplace_back([this, worker] { work(worker); });
@@ -68,14 +96,15 @@ struct Pool {
       const std::lock_guard lock(mutex);
       loop = &next;
       ++turn;
-      waiting_for = next.pieces - 1;
     }
     wake.notify_all();
-    next.run_piece(0);
-    wait_briefly([this] { return waiting_for == 0; });
+    next.work(0);
     std::unique_lock lock(mutex);
-    finished.wait(lock, [this] { return waiting_for == 0; });
     loop = nullptr;
+    lock.unlock();
+    wait_briefly([this] { return at_work == 0; });
+    lock.lock();
+    finished.wait(lock, [this] { return at_work == 0; });
   }
 
  private:
@@ -84,15 +113,16 @@ struct Pool {
     for (;;) {
       wait_briefly([&] { return turn != seen; });
       std::unique_lock lock(mutex);
-      wake.wait(lock, [&] { return closing || (turn != seen && loop); });
+      wake.wait(lock, [&] { return closing || turn != seen; });
       if (closing) return;
       seen = turn;
-      if (worker >= loop->pieces) continue;
+      if (loop == nullptr || worker >= loop->pieces) continue;
       Loop& current = *loop;
+      ++at_work;
       lock.unlock();
-      current.run_piece(worker);
+      current.work(worker);
       lock.lock();
-      if (--waiting_for == 0) finished.notify_one();
+      if (--at_work == 0) finished.notify_one();
     }
   }
 
@@ -101,7 +131,7 @@ struct Pool {
   std::condition_variable wake, finished;
   Loop* loop = nullptr;
   std::atomic<std::uint64_t> turn = 0;  ///< changed under the lock; looked at without it
-  std::atomic<int> waiting_for = 0;     ///< the same
+  std::atomic<int> at_work = 0;         ///< workers; the same
   bool closing = false;
 };
 
@@ -141,7 +171,7 @@ void run_loop(std::int64_t begin, std::int64_t end, const LoopBody& body) {
     state.pool.reset();
     state.pool = std::make_unique<Pool>(count);
   }
-  Loop loop{begin, end, static_cast<int>(pieces), body, std::vector<std::exception_ptr>(pieces)};
+  Loop loop(begin, end, static_cast<int>(pieces), body);
   state.pool->run(loop);
   for (const auto& error : loop.errors)
     if (error) std::rethrow_exception(error);

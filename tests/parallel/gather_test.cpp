@@ -12,14 +12,15 @@ void squares(std::int64_t begin, std::int64_t end, std::vector<std::int64_t>& va
 }
 
 TEST(Gather, IsWhatOneThreadFinds) {
-  std::vector<std::int64_t> all;
-  squares(3, 1000, all);
-  auto sorted = all;
-  sort_unique(sorted);
   for (const int threads : {1, 2, 3, 7}) {
     parallel::set_thread_count(threads);
-    EXPECT_EQ(parallel::gather<std::int64_t>(3, 1000, squares), all) << threads;
-    EXPECT_EQ(parallel::gather_sorted<std::int64_t>(3, 1000, squares), sorted) << threads;
+    for (const std::int64_t last : {4, 6, 20, 1000}) {
+      std::vector<std::int64_t> all;
+      squares(3, last, all);
+      EXPECT_EQ(parallel::gather<std::int64_t>(3, last, squares), all) << threads;
+      sort_unique(all);
+      EXPECT_EQ(parallel::gather_sorted<std::int64_t>(3, last, squares), all) << threads;
+    }
     EXPECT_TRUE(parallel::gather<std::int64_t>(5, 5, squares).empty());
     EXPECT_TRUE(parallel::gather_sorted<std::int64_t>(5, 5, squares).empty());
   }

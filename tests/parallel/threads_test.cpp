@@ -3,25 +3,53 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace heart::parallel {
 namespace {
 
-TEST(ParallelFor, VisitsEveryIndexOnceInContiguousPieces) {
+TEST(ParallelFor, VisitsEveryIndexOnce) {
   for (const int threads : {1, 2, 3, 7}) {
     set_thread_count(threads);
     for (const std::int64_t size : {0, 1, 2, 5, 1000}) {
       std::vector<int> visits(static_cast<std::size_t>(size), 0);
-      std::atomic<int> pieces = 0;
+      std::atomic<int> calls = 0;
       parallel_for(10, 10 + size, [&](std::int64_t begin, std::int64_t end) {
-        ++pieces;
+        ++calls;
+        EXPECT_LT(begin, end);
         for (auto i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i - 10)];
       });
       EXPECT_EQ(visits, std::vector<int>(visits.size(), 1));
-      EXPECT_EQ(pieces, std::min<std::int64_t>(threads, size));
+      EXPECT_GE(calls, std::min<std::int64_t>(threads, size));
+      EXPECT_LE(calls, 4 * threads);
     }
+  }
+}
+
+// The first part of the range waits for one that the same thread would do later.
+TEST(ParallelFor, WhoIsDoneHelpsTheOthers) {
+  using namespace std::chrono_literals;
+  set_thread_count(2);
+  std::atomic<bool> is_last_done = false, was_helped = false;
+  parallel_for(0, 32, [&](std::int64_t begin, std::int64_t end) {
+    if (end == 16) is_last_done = true;
+    if (begin > 0) return;
+    const auto start = std::chrono::steady_clock::now();
+    while (!is_last_done && std::chrono::steady_clock::now() - start < 60s) std::this_thread::sleep_for(1ms);
+    was_helped = is_last_done.load();
+  });
+  EXPECT_TRUE(was_helped);
+}
+
+TEST(ParallelFor, PiecesWithNumbersAreNotDivided) {
+  for (const int threads : {1, 2, 3, 7}) {
+    set_thread_count(threads);
+    std::vector<std::atomic<int>> calls(static_cast<std::size_t>(threads));
+    parallel_for(0, 1000, [&](std::int64_t, std::int64_t, int piece) { ++calls[static_cast<std::size_t>(piece)]; });
+    for (const auto& of_piece : calls) EXPECT_EQ(of_piece, 1);
   }
 }
 

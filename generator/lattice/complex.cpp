@@ -82,20 +82,18 @@ double quality(const Complex& complex, const Cell& cell) {
 void connect_stars(Complex& c) {
   c.first.resize(c.nodes_mm.size());
   c.capacity.resize(c.nodes_mm.size());
-  c.count.assign(c.nodes_mm.size(), 0);
-  visit_stars(c.nodes_mm.size(), c.cells, [&](std::size_t n, std::int32_t) { ++c.count[n]; });
+  c.count.resize(c.nodes_mm.size());
+  auto places = count_corners(c.nodes_mm.size(), c.cells);
   std::int32_t next = 0;
   for (std::size_t n = 0; n < c.first.size(); ++n) {
     c.first[n] = next;
+    c.count[n] = static_cast<std::uint16_t>(lay_out(places, n, next) - next);
     c.capacity[n] = static_cast<std::uint16_t>(c.count[n] + room);
     next += c.capacity[n];
-    c.count[n] = 0;
   }
   c.free_cells.clear();
   c.pool.assign(static_cast<std::size_t>(next), -1);
-  visit_stars(c.nodes_mm.size(), c.cells, [&](std::size_t n, std::int32_t cell) {
-    c.pool[static_cast<std::size_t>(c.first[n]) + c.count[n]++] = cell;
-  });
+  collect_stars(c.cells, places, c.pool);
 }
 
 void connect(Complex& complex) {

@@ -5,22 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "generator/parallel/threads.hpp"
 #include "model/tet_mesh.hpp"
 
 namespace heart::lattice {
-
-/// Calls visit(node, cell) for each corner of each cell; those of one node come in the order of the cells, and from one
-/// thread. (Threads share the nodes: each looks at all cells, and visits what concerns its nodes.) Corners that are not
-/// in [0, node_count) are passed over.
-template <class Visit>
-void visit_stars(std::size_t node_count, std::span<const Cell> cells, Visit&& visit) {
-  parallel::parallel_for(0, static_cast<std::int64_t>(node_count), [&](std::int64_t begin, std::int64_t end, int) {
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      for (const auto n : cells[c])
-        if (n >= begin && n < end) visit(static_cast<std::size_t>(n), static_cast<std::int32_t>(c));
-  });
-}
 
 /// The cells of each node, ascending.
 struct Stars {
@@ -32,6 +19,21 @@ struct Stars {
   }
 };
 
+/// Corners that are not in [0, node_count) are passed over.
 Stars stars_of(std::size_t node_count, std::span<const Cell> cells);
+
+/// A number for each node in each of a few pieces of a list of cells, which threads work on at the same time.
+using PieceNumbers = std::vector<std::vector<std::int32_t>>;
+
+/// How often each node occurs in each piece of the cells.
+PieceNumbers count_corners(std::size_t node_count, std::span<const Cell> cells);
+
+/// Turns a node's counts into the places of a pool where each piece's cells of that node begin, the first at `first`;
+/// returns the place after the last one.
+std::int32_t lay_out(PieceNumbers& counts, std::size_t node, std::int32_t first);
+
+/// Puts the number of each cell at the next place of each of its nodes: those of one node come in the order of the
+/// cells. Afterwards the places are used up.
+void collect_stars(std::span<const Cell> cells, PieceNumbers& places, std::vector<std::int32_t>& pool);
 
 }  // namespace heart::lattice

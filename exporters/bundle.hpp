@@ -115,7 +115,8 @@ struct Problem {
 std::vector<Problem> verify_bundle(const std::filesystem::path& folder);
 
 /// A deterministic .tar.zst of a bundle (sorted entries, no times, owners or modes of this machine), logs left out.
-/// Throws UserError when the bundle does not verify or `archive` cannot be written.
+/// Throws UserError when the bundle does not verify, or `archive` cannot be written or has another ending (.tzst may
+/// be).
 void pack_bundle(const std::filesystem::path& folder, const std::filesystem::path& archive);
 
 /// Unpacks into `folder` (which must not exist) and verifies; refuses entries that leave the folder, links, devices.

@@ -114,6 +114,8 @@ void require_whole(const fs::path& folder, const fs::path& named) {
 }  // namespace
 
 void pack_bundle(const fs::path& folder, const fs::path& archive) {
+  if (const auto name = archive.filename().string(); !name.ends_with(".tar.zst") && !name.ends_with(".tzst"))
+    throw UserError("a packed bundle is a tar file compressed by zstd", archive.string(), "name it NAME.tar.zst");
   require_whole(folder, folder);
   const fs::path partial = hidden_sibling(archive, "partial");
   std::error_code error;

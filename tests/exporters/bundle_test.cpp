@@ -359,6 +359,17 @@ TEST(Pack, RefusesADamagedBundle) {
   EXPECT_FALSE(fs::exists(folder / "a.tar.zst"));
 }
 
+TEST(Pack, RefusesNamesOfOtherFormats) {
+  const auto folder = scratch_folder("pack_names");
+  write_bundle(sample_bundle(), folder / "a");
+  for (const auto* name : {"a.zip", "a.tar.gz", "a.tar", "a"})
+    EXPECT_NE(error_of([&] { pack_bundle(folder / "a", folder / "packed" / name); }).find(".tar.zst"),
+              std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "packed"));
+  pack_bundle(folder / "a", folder / "a.tzst");
+  EXPECT_TRUE(fs::exists(folder / "a.tzst"));
+}
+
 TEST(Unpack, RefusesTruncatedArchives) {
   const auto folder = scratch_folder("unpack_truncated");
   write_bundle(sample_bundle(), folder / "a");

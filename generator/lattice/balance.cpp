@@ -169,14 +169,15 @@ void shift_nodes(Complex& c, const std::vector<Vec3>& shift, double least_way, d
   constexpr int tries = 3;
   auto& to_move = rounds.to_move;
   auto& is_marked = rounds.is_marked;
-  to_move = parallel::gather<std::int32_t>(0, static_cast<std::int64_t>(shift.size()),
-                                           [&](std::int64_t begin, std::int64_t end, std::vector<std::int32_t>& found) {
-                                             for (auto n = static_cast<std::size_t>(begin);
-                                                  n < static_cast<std::size_t>(end); ++n)
-                                               if (norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) &&
-                                                   !c.is_frozen(static_cast<std::int32_t>(n)))
-                                                 found.push_back(static_cast<std::int32_t>(n));
-                                           });
+  const auto is_to_move = [&](std::int32_t node) {
+    const auto n = static_cast<std::size_t>(node);
+    return norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) && !c.is_frozen(node);
+  };
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<std::int32_t>& found) {
+    for (auto n = static_cast<std::int32_t>(begin); n < end; ++n)
+      if (is_to_move(n)) found.push_back(n);
+  };
+  to_move = parallel::gather<std::int32_t>(0, static_cast<std::int64_t>(shift.size()), find);
   std::fill(is_marked.begin(), is_marked.end(), std::uint8_t{0});
   for_slabs(
       rounds.slabs, to_move.size(), [&](std::size_t i) { return c.at(to_move[i]); },

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "benchmarks/benchmarks.hpp"
 #include "benchmarks/test_images.hpp"
@@ -28,11 +27,24 @@ struct Sweep {
   std::function<void(int sweeps)> run;
 };
 
-/// Seconds of one sweep: of `many` minus that of `few`, so that what is done once does not count.
+/// Seconds of one sweep: of `many` minus those of `few` right before, so that what is done once does not count, and
+/// the median of that, since a difference of two medians may be of two moods of the machine.
 double sweep_seconds(int repeats, const Sweep& sweep) {
   constexpr int few = 4, many = 12;  // some go by passes of four
-  const double start = median_seconds(repeats, [&] { sweep.run(few); });
-  return (median_seconds(repeats, [&] { sweep.run(many); }) - start) / (many - few);
+  sweep.run(few);
+  std::vector<double> differences;
+  for (int r = 0; r < repeats; ++r) {
+    const double start = seconds([&] { sweep.run(few); });
+    differences.push_back(seconds([&] { sweep.run(many); }) - start);
+  }
+  return median(std::move(differences)) / (many - few);
+}
+
+/// A row for a sweep that takes so long; none for one that is lost in the noise of the machine.
+void add_rate(Table& table, const std::string& what, double voxels, double sweep_seconds, const std::string& note) {
+  const bool is_lost = !(sweep_seconds > 0);
+  table.push_back({"sweep", what, is_lost ? 0 : voxels / sweep_seconds / 1e9, "G voxels/s",
+                   is_lost ? "not measured: noise is larger than the sweep; give more --repeats" : note});
 }
 
 std::vector<Sweep> sweeps_of(const Slab<float>& image, const Slab<std::uint8_t>& domain, const Comm& alone) {
@@ -64,10 +76,10 @@ void measure(Table& table, const Settings& settings, const std::vector<Sweep>& s
   const auto with_threads = fmt::format("{} thread{}", threads, threads > 1 ? "s" : "");
   table.push_back({"sweep", "memory bandwidth (triad), " + with_threads, bandwidth / 1e9, "GB/s", ""});
   for (const auto& sweep : sweeps) {
-    const double rate = voxels / sweep_seconds(settings.repeats, sweep);
-    table.push_back({"sweep", fmt::format("{}, {}", sweep.name, with_threads), rate / 1e9, "G voxels/s",
-                     fmt::format("{:.0f} % of the {:.2f} that the bandwidth allows at {} bytes a voxel",
-                                 100 * rate * sweep.bytes / bandwidth, bandwidth / sweep.bytes / 1e9, sweep.bytes)});
+    const double one = sweep_seconds(settings.repeats, sweep), least = voxels * sweep.bytes / bandwidth;
+    add_rate(table, fmt::format("{}, {}", sweep.name, with_threads), voxels, one,
+             fmt::format("{:.0f} % of the {:.2f} that the bandwidth allows at {} bytes a voxel", 100 * least / one,
+                         voxels / least / 1e9, sweep.bytes));
   }
 }
 
@@ -75,8 +87,8 @@ void measure_levels(Table& table, const Settings& settings, const Sweep& sweep, 
   const Simd best = simd_level();
   for (const Simd level : {Simd::plain, Simd::avx2, Simd::avx512}) {
     if (set_simd_level(level) != level) break;
-    table.push_back({"sweep", fmt::format("{}, {} code", sweep.name, name_of(level)),
-                     voxels / sweep_seconds(settings.repeats, sweep) / 1e9, "G voxels/s", "the same bits"});
+    add_rate(table, fmt::format("{}, {} code", sweep.name, name_of(level)), voxels,
+             sweep_seconds(settings.repeats, sweep), "the same bits");
   }
   set_simd_level(best);
 }
@@ -94,8 +106,8 @@ void measure_peer(Table& table) {
   constexpr int iterations = 8;
   const double one = seconds([&] { adapters::itk_dense_chan_vese(image, 1); });
   const double more = seconds([&] { adapters::itk_dense_chan_vese(image, 1 + iterations); });
-  const double rate = iterations * static_cast<double>(grid.voxel_count()) / std::max(more - one, 1e-9);
-  table.push_back({"sweep", "peer: ITK dense Chan-Vese, 96 x 96 x 64", rate / 1e9, "G voxels/s", "its own threads"});
+  add_rate(table, "peer: ITK dense Chan-Vese, 96 x 96 x 64", static_cast<double>(grid.voxel_count()),
+           (more - one) / iterations, "its own threads");
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "generator/atlas/atlas.hpp"
 #include "generator/atlas/ventricles.hpp"
 #include "generator/fibers/carry.hpp"
+#include "generator/labels/given_labels.hpp"
 #include "generator/labels/names_file.hpp"
 #include "generator/labels/presets.hpp"
 #include "generator/mesh/mesh_heart.hpp"
@@ -134,6 +135,7 @@ void check_inputs(const Recipe& recipe) {
   check_files_exist(recipe);
   check_torso(recipe.torso);
   labels::label_preset(recipe.labels.preset);
+  labels::check_settings(recipe.labels);
   check_segmentation(recipe);
   check_meshes(recipe);
   fibers::check_settings(recipe.fibers);

@@ -36,6 +36,10 @@ TetMesh read_source(const std::string& path) {
                       "give a bundle, or its meshes/myocardium.vtu");
     *field = std::move(data.point_vectors[name]);
   }
+  for (const auto& [name, field] :
+       {std::pair{"fiber", &mesh.cell_fibers.fiber}, std::pair{"sheet", &mesh.cell_fibers.sheet}})
+    if (const auto found = data.cell_vectors.find(name); found != data.cell_vectors.end())
+      *field = std::move(found->second);
   const auto source = data.point_scalars.find("fiber_source");
   if (source == data.point_scalars.end()) return mesh;
   for (const double value : source->second)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -136,10 +137,24 @@ std::uint8_t source_at(const TetMesh& from, const Place& place) {
   return from.fiber_source[static_cast<std::size_t>(cell[static_cast<std::size_t>(largest)])];
 }
 
+bool is_middle(const Place& place) {
+  constexpr double rounding = 1e-9;
+  return place.distance_mm == 0 && std::all_of(place.weights.begin(), place.weights.end(),
+                                               [](double w) { return std::abs(w - 0.25) < rounding; });
+}
+
+/// At the middle of a cell that has axes of its own these are known better than the corners tell.
+MaterialAxes cell_axes_at(const TetMesh& from, const Place& place) {
+  const auto c = static_cast<std::size_t>(place.cell);
+  const auto& own = from.cell_fibers;
+  const bool is_known = c < own.fiber.size() && c < own.sheet.size() && own.fiber[c] != Vec3{};
+  return is_known && is_middle(place) ? material_axes(own.fiber[c], own.sheet[c]) : axes_at(from, place);
+}
+
 /// Frames and places of points given by number.
-template <class PointAt>
-std::vector<Place> fill(const Lookup& lookup, std::size_t count, const PointAt& point_at, double reach_mm,
-                        FiberField& field) {
+template <class PointAt, class AxesAt>
+std::vector<Place> fill(const Lookup& lookup, std::size_t count, const PointAt& point_at, const AxesAt& axes_of,
+                        double reach_mm, FiberField& field) {
   field.fiber.resize(count);
   field.sheet.resize(count);
   field.sheet_normal.resize(count);
@@ -149,7 +164,7 @@ std::vector<Place> fill(const Lookup& lookup, std::size_t count, const PointAt& 
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
       places[n] = lookup.find(point_at(n), near);
       if (places[n].distance_mm > reach_mm) continue;
-      const MaterialAxes axes = axes_at(*lookup.mesh, places[n]);
+      const MaterialAxes axes = axes_of(*lookup.mesh, places[n]);
       field.fiber[n] = axes.fiber;
       field.sheet[n] = axes.sheet;
       field.sheet_normal[n] = axes.sheet_normal;
@@ -173,7 +188,7 @@ TransferredFibers transfer_fibers(const TetMesh& from, const std::vector<Vec3>& 
   const Lookup lookup(from);
   TransferredFibers result;
   const auto places = fill(
-      lookup, nodes_mm.size(), [&](std::size_t n) { return nodes_mm[n]; }, reach_mm, result.node);
+      lookup, nodes_mm.size(), [&](std::size_t n) { return nodes_mm[n]; }, axes_at, reach_mm, result.node);
   const bool with_source = from.fiber_source.size() == from.nodes_mm.size();
   if (with_source) result.source.resize(nodes_mm.size());
   for (std::size_t n = 0; n < places.size(); ++n) {
@@ -187,7 +202,7 @@ TransferredFibers transfer_fibers(const TetMesh& from, const std::vector<Vec3>& 
     for (const auto n : cells[c]) sum += 0.25 * nodes_mm[static_cast<std::size_t>(n)];
     return sum;
   };
-  fill(lookup, cells.size(), middle, reach_mm, result.cell);
+  fill(lookup, cells.size(), middle, cell_axes_at, reach_mm, result.cell);
   return result;
 }
 

@@ -279,12 +279,15 @@ bool holds(const LabelVolume& labels, Region region) {
   return std::find(labels.voxels.begin(), labels.voxels.end(), tag(region)) != labels.voxels.end();
 }
 
-MissingGroups missing_groups(const LabelVolume& given, const LabelSettings& settings) {
+void check_settings(const LabelSettings& settings) {
   const std::vector<std::string> groups = {"chambers", "walls", "body"};
   for (const auto& name : settings.complete)
     if (std::find(groups.begin(), groups.end(), name) == groups.end())
       throw UserError(fmt::format("unknown group \"{}\"", name), "labels.complete",
                       fmt::format("known groups: {}", fmt::join(groups, ", ")));
+}
+
+MissingGroups missing_groups(const LabelVolume& given, const LabelSettings& settings) {
   const auto found = values_of(given);
   const auto lacks = [&](std::initializer_list<Region> regions) {
     return std::any_of(regions.begin(), regions.end(), [&](Region region) { return !found[tag(region)]; });

@@ -40,7 +40,10 @@ struct MissingGroups {
   bool body = false;      ///< the torso has none
   bool any() const { return chambers || walls || body; }
 };
-/// Throws UserError for an unknown group.
+/// Throws UserError for an unknown group in `settings.complete`.
+void check_settings(const LabelSettings& settings);
+
+/// `settings` are checked.
 MissingGroups missing_groups(const LabelVolume& given, const LabelSettings& settings);
 
 enum class Group { chambers, walls, body };  ///< blood, great vessels and papillary muscles | walls | all the rest

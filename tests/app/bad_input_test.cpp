@@ -139,6 +139,8 @@ TEST_F(BadInput, LabelMapWithForeignValues) {
 TEST_F(BadInput, LabelsFromElsewhere) {
   write_recipe("[labels]\npreset = \"mmwhs\"\n");
   expect_message("build --quiet recipe.toml --output out", {"labels.preset", "mm_whs"});
+  write_recipe("[labels]\ncomplete = [\"wals\"]\n");  // also where no labels are given
+  expect_message("build --quiet recipe.toml --output out", {"labels.complete", "wals", "walls"});
   Grid grid;
   grid.size = {24, 24, 24};
   grid.spacing_mm = {4, 4, 4};

@@ -121,6 +121,21 @@ TEST(Transfer, NodesOfTheMeshItselfKeepTheirAxes) {
   }
 }
 
+TEST(Transfer, CellsOfTheMeshItselfKeepTheirOwnAxes) {
+  TetMesh mesh = cube(6, turning);
+  for (const auto& cell : mesh.cells) {  // as different from the corners' axes as can be
+    const Frame frame = turning(middle_of(mesh, cell));
+    mesh.cell_fibers.fiber.push_back(frame.sheet);
+    mesh.cell_fibers.sheet.push_back(frame.fiber);
+  }
+  const auto carried = onto(mesh, mesh);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    EXPECT_NEAR(std::abs(dot(carried.cell.fiber[c], mesh.cell_fibers.fiber[c])), 1, 1e-12);
+    EXPECT_NEAR(std::abs(dot(carried.cell.sheet[c], mesh.cell_fibers.sheet[c])), 1, 1e-12);
+  }
+  expect_orthonormal(carried.cell);
+}
+
 TEST(Transfer, SignsOfTheGivenAxesChangeNothing) {
   const TetMesh to = target();
   TetMesh from = cube(5, turning);

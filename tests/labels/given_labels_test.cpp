@@ -324,7 +324,8 @@ TEST(MissingGroups, AreThoseThatTheLabelsLackAndTheRecipeWants) {
   EXPECT_FALSE(missing_groups(nothing, {.complete = {}}).any());
   EXPECT_TRUE(missing_groups(nothing, {.complete = {"walls"}}).walls);
   EXPECT_FALSE(missing_groups(nothing, {.complete = {"walls"}}).body);
-  EXPECT_THROW(missing_groups(nothing, {.complete = {"wals"}}), UserError);
+  EXPECT_THROW(check_settings({.complete = {"wals"}}), UserError);
+  EXPECT_NO_THROW(check_settings({}));
 }
 
 TEST(Overlay, AGivenRegionReplacesTheWholeOfOurs) {

@@ -85,6 +85,14 @@ void lower_by_row(float* value, const float* from, std::int64_t count, float str
   for (std::int64_t i = 0; i + 1 < count; ++i) value[i] = std::min(value[i], from[i + 1] + oblique);
 }
 
+// Unlike what would mend it, this needs no neighbour's result: a vector at a time.
+bool grows_too_fast(const float* value, std::int64_t count, float along) {
+  int found = 0;
+  for (std::int64_t i = 1; i < count; ++i)
+    found |= static_cast<int>(value[i] > value[i - 1] + along) | static_cast<int>(value[i - 1] > value[i] + along);
+  return found != 0;
+}
+
 // A sweep over the rows in memory order (sign 1) or against it (sign -1): from the four neighbouring rows that come
 // earlier, then along the row both ways. Two sweeps there and back propagate along straight lines, which is exact for
 // chamfer distances around convex sources and close enough for an edge length.
@@ -103,6 +111,7 @@ void limit_growth(Volume<float>& sizes, double growth, int sign) {
       const double y = dj * spacing.y, z = dk * spacing.z;
       lower_by_row(value, &sizes(0, nj, nk), count, rise(0, y, z), rise(spacing.x, y, z));
     }
+    if (!grows_too_fast(value, count, along)) continue;
     for (std::int64_t i = 1; i < count; ++i) value[i] = std::min(value[i], value[i - 1] + along);
     for (std::int64_t i = count - 1; i > 0; --i) value[i - 1] = std::min(value[i - 1], value[i] + along);
   }

@@ -18,10 +18,10 @@ struct TransferredFibers {
 /// that holds the place, or of the cell behind the nearest place of its boundary, are added as dyads with barycentric
 /// weights, so that their signs do not matter; frames are orthonormal again (frame.hpp), sheet_normal = fiber × sheet.
 /// A cell whose middle is that of a cell of `from` with axes of its own takes these, so that a mesh that holds part of
-/// `from` keeps its axes. The source is that of the corner with the largest weight. Of an axis that varies smoothly the error falls with the
-/// square of the edge length of `from`. Places farther than reach_mm (> 0) from `from` get no axes.
-/// Throws UserError when `from` lacks cells, fibres or sheets on nodes. Threads; the same bits for any number of them.
-/// Not collective.
+/// `from` keeps its axes. The source is that of the corner with the largest weight. Of an axis that varies smoothly the
+/// error falls with the square of the edge length of `from`. Places farther than reach_mm (> 0) from `from` get no
+/// axes. Throws UserError when `from` lacks cells, fibres or sheets on nodes. Threads; the same bits for any number of
+/// them. Not collective.
 TransferredFibers transfer_fibers(const TetMesh& from, const std::vector<Vec3>& nodes_mm,
                                   const std::vector<Cell>& cells, double reach_mm);
 

@@ -198,7 +198,7 @@ TetMesh mesh_domain(const MeshDomain& domain, const MeshSettings& settings, Latt
   check_settings(settings);
   const bool is_delaunay = settings.backend == "cgal";
   const auto own = own_edges_mm == nullptr ? std::vector<float>{} : own_edges_on(*own_edges_mm, domain.grid);
-  const auto sizes = size_field(domain, settings, is_delaunay ? ThinParts::ignored : ThinParts::resolved, own);
+  const auto sizes = size_field(domain, settings, is_delaunay ? LabelSet{} : regions_with_shape(), own);
   auto cells = is_delaunay                      ? delaunay_cells(domain, sizes)
                : settings.backend == "tetgen"   ? tetgen_cells(domain, sizes, manifold_sets(), crumb_cells, report)
                : settings.backend == "distmesh" ? distmesh_cells(domain, sizes, manifold_sets(), crumb_cells, report)

@@ -157,34 +157,42 @@ Mask interface_of(const LabelVolume& labels) {
 // Parts of a region in which no ball of the radius fits get the edge `edge_mm`. The balls' centres are the places
 // farther than the radius from every interface; what is farther than that from all of them is thin. (A place in one
 // region is always farther from the balls of another.) Corners of thick parts are spared by the factor.
-void lower_in_thin_parts(Volume<float>& sizes, const LabelVolume& labels, const Volume<float>& from_interface_mm,
-                         double radius_mm, double edge_mm) {
+void lower_in_thin_parts(Volume<float>& sizes, const LabelVolume& labels, const LabelSet& resolved,
+                         const Volume<float>& from_interface_mm, double radius_mm, double edge_mm) {
   constexpr double beyond_corners = 2;
   Mask centers(sizes.grid, 0);
   for (std::size_t v = 0; v < centers.voxels.size(); ++v)
     centers.voxels[v] = static_cast<double>(from_interface_mm.voxels[v]) >= radius_mm;
   const auto distance = segment::distance_to(centers);
-  // What only fills the space between others need not keep its own shape.
-  const auto is_shape = [](std::uint8_t label) { return label != 0 && label != tag(Region::torso); };
   for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
-    if (is_shape(labels.voxels[v]) && static_cast<double>(distance.voxels[v]) > beyond_corners * radius_mm)
+    if (resolved[labels.voxels[v]] && static_cast<double>(distance.voxels[v]) > beyond_corners * radius_mm)
       sizes.voxels[v] = std::min(sizes.voxels[v], static_cast<float>(edge_mm));
 }
 
-void resolve_thin_parts(Volume<float>& sizes, const MeshDomain& domain, const MeshSettings& settings) {
+bool have_longer_edges(const Volume<float>& sizes, const LabelVolume& labels, const LabelSet& regions, float edge_mm) {
+  for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
+    if (regions[labels.voxels[v]] && sizes.voxels[v] > edge_mm) return true;
+  return false;
+}
+
+// Whether any edge may have become shorter.
+bool resolve_thin_parts(Volume<float>& sizes, const MeshDomain& domain, const MeshSettings& settings,
+                        const LabelSet& resolved) {
+  const double finest = finest_body_edge_mm(settings);
   const auto labels = coarse_labels(domain, sizes.grid);
+  if (!have_longer_edges(sizes, labels, resolved, static_cast<float>(finest))) return false;
   const auto from_interface = segment::distance_to(interface_of(labels));
   // The sample beside an interface is half a sample away from it.
   const Vec3& spacing = sizes.grid.spacing_mm;
   const double half_sample = 0.5 * std::min({spacing.x, spacing.y, spacing.z});
   const double coarsest = std::max(settings.torso_edge_mm, settings.heart_edge_mm);
-  const double finest = finest_body_edge_mm(settings);
   double edge = coarsest;
   while (edge > finest) {
     const double radius = std::max(0.4 * edge - half_sample, half_sample);
-    lower_in_thin_parts(sizes, labels, from_interface, radius, std::max(0.5 * edge, finest));
+    lower_in_thin_parts(sizes, labels, resolved, from_interface, radius, std::max(0.5 * edge, finest));
     edge /= 2;
   }
+  return true;
 }
 
 // Between samples of the size everything is interpolated: all eight around a place are lowered.
@@ -245,11 +253,19 @@ void refuse_too_many_own_cells(const Volume<float>& sizes, const MeshDomain& dom
 
 }  // namespace
 
-Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings, ThinParts thin_parts,
+LabelSet regions_with_shape() {
+  LabelSet regions;
+  regions.fill(true);
+  regions[0] = regions[tag(Region::torso)] = false;
+  return regions;
+}
+
+Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings, const LabelSet& resolved,
                          std::span<const float> own_edges_mm) {
   constexpr double growth_around_thin_parts = 1;
   // Between samples, in heart edges. Distances to interfaces need fewer samples than edges do.
-  const double sample_distance = thin_parts == ThinParts::resolved && settings.wall_layers <= 1 ? 1.5 : 1;
+  const bool is_any_resolved = std::ranges::find(resolved, true) != resolved.end();
+  const double sample_distance = is_any_resolved && settings.wall_layers <= 1 ? 1.5 : 1;
   auto sizes = finest_edges(domain, settings, sample_distance, own_edges_mm);
   const auto limit = [&](double growth) {
     for (int repeat = 0; repeat < 2; ++repeat)
@@ -257,13 +273,10 @@ Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings,
   };
   limit(settings.growth);
   if (!own_edges_mm.empty()) refuse_too_many_own_cells(sizes, domain);
-  if (settings.wall_layers > 1) {  // one layer is always there
-    refine_thin_walls(sizes, domain, settings);
-    if (thin_parts == ThinParts::ignored) limit(settings.growth);
-  }
-  if (thin_parts == ThinParts::ignored) return sizes;
-  resolve_thin_parts(sizes, domain, settings);
-  limit(std::max(growth_around_thin_parts, settings.growth));
+  bool is_lowered = settings.wall_layers > 1;  // one layer is always there
+  if (is_lowered) refine_thin_walls(sizes, domain, settings);
+  if (is_any_resolved) is_lowered = resolve_thin_parts(sizes, domain, settings, resolved) || is_lowered;
+  if (is_lowered) limit(is_any_resolved ? std::max(growth_around_thin_parts, settings.growth) : settings.growth);
   return sizes;
 }
 

@@ -317,9 +317,9 @@ TetMesh mesh_walls(const WallLevelSets& walls, const MeshSettings& settings, Lat
                    const Volume<float>* own_edges_mm) {
   check_settings(settings);
   const auto own = own_edges_mm == nullptr ? std::vector<float>{} : own_edges_on(*own_edges_mm, walls.domain.grid);
-  const auto sizes = size_field(walls.domain, settings, ThinParts::resolved, own);
   LabelSet inside{};
   for (const auto label : walls.labels) inside[label] = true;
+  const auto sizes = size_field(walls.domain, settings, inside, own);
   auto cells =
       collect(lattice_complex(materials_of(walls, sizes), std::span(&inside, 1), crumb_cells, report, one_material),
               walls.domain.grid);

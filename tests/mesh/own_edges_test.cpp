@@ -105,7 +105,7 @@ TEST(OwnEdges, RefusesWhatIsNoLengthOrNotHereOrTooMuch) {
   EXPECT_THROW(mesh::own_edges_on(wishes(0), labels.grid), UserError);
   const auto domain = mesh::make_domain(labels, coarse());
   const auto finest = mesh::own_edges_on(wishes(0.1F), labels.grid);
-  EXPECT_THROW(mesh::size_field(domain, coarse(), mesh::ThinParts::ignored, finest), UserError);
+  EXPECT_THROW(mesh::size_field(domain, coarse(), {}, finest), UserError);
 }
 
 }  // namespace

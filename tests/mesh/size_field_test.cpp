@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/thin_walls.hpp"
 #include "mesh/shapes.hpp"
@@ -31,7 +34,7 @@ LabelVolume shell(double outer_mm, double inner_mm, double offset_mm) {
 
 double edge_in(const LabelVolume& labels, const MeshSettings& settings, const Vec3& at) {
   const auto domain = mesh::make_domain(labels, settings);
-  return mesh::edge_at(mesh::size_field(domain, settings, mesh::ThinParts::resolved), at);
+  return mesh::edge_at(mesh::size_field(domain, settings, mesh::regions_with_shape()), at);
 }
 
 TEST(WallLayers, OnlyThinWallsGetShorterEdges) {
@@ -69,6 +72,29 @@ TEST(WallLayers, AreInTheMesh) {
   const auto two = layers_of(2);
   EXPECT_GE(two.p5, 2);
   EXPECT_LT(two.below_two, 0.02);
+}
+
+// A plate of bone and one of lung, 4 mm thick.
+TEST(SizeField, OnlyThinPartsOfTheResolvedRegionsGetShorterEdges) {
+  MeshSettings settings;
+  settings.torso_edge_mm = 12;
+  const auto labels = label_cube(60, 1, [](const Vec3& p) {
+    return std::abs(p.x + 12) < 2 ? Region::bone : std::abs(p.x - 12) < 2 ? Region::lung : Region::torso;
+  });
+  const auto domain = mesh::make_domain(labels, settings);
+  const auto edges_with = [&](const mesh::LabelSet& resolved) {
+    const auto sizes = mesh::size_field(domain, settings, resolved);
+    return std::array{mesh::edge_at(sizes, {-12, 0, 0}), mesh::edge_at(sizes, {12, 0, 0})};
+  };
+  EXPECT_EQ(edges_with({}), (std::array{12.0, 12.0}));
+  mesh::LabelSet bone{};
+  bone[tag(Region::bone)] = true;
+  const auto [in_bone, in_lung] = edges_with(bone);
+  EXPECT_LT(in_bone, 7);
+  EXPECT_EQ(in_lung, 12);
+  const auto both = edges_with(mesh::regions_with_shape());
+  EXPECT_EQ(both[0], in_bone);
+  EXPECT_LT(both[1], 7);
 }
 
 TEST(WallLayers, RefusesWhatIsNoNumberOfLayersOrTooMuch) {

@@ -30,11 +30,16 @@ double finest_edge(const Materials& m) {
 
 }  // namespace
 
-Lattice lay_lattice(const Materials& materials) {
-  auto tree = make_octree(materials.box_min_mm, materials.box_max_mm, finest_edge(materials), materials.edge_mm,
-                          materials.spots);
+WantedLevels wanted_levels(const Materials& m) {
+  return wanted_levels(m.box_min_mm, m.box_max_mm, finest_edge(m), m.edge_mm);
+}
+
+Lattice lay_lattice(const Materials& materials, const WantedLevels& wanted) {
+  auto tree = make_octree(wanted, materials.edge_mm, materials.spots);
   auto near = near_leaves(tree, materials.label_at);
   return {std::move(tree), std::move(near)};
 }
+
+Lattice lay_lattice(const Materials& materials) { return lay_lattice(materials, wanted_levels(materials)); }
 
 }  // namespace heart::lattice

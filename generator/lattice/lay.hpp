@@ -11,7 +11,12 @@ struct Lattice {
   NearLeaves near;
 };
 
+/// The same whatever the materials' spots.
+WantedLevels wanted_levels(const Materials& materials);
+
 /// The same result for any number of threads.
+Lattice lay_lattice(const Materials& materials, const WantedLevels& wanted);
+
 Lattice lay_lattice(const Materials& materials);
 
 }  // namespace heart::lattice

@@ -1,5 +1,6 @@
 #include "generator/lattice/near_leaves.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "generator/lattice/shared_marks.hpp"
@@ -73,21 +74,34 @@ void label_leaves(const Octree& tree, const std::function<int(const Vec3&)>& lab
   });
 }
 
-// Leaves that share a corner with one, half-way corners included, or only those that share a face.
-void collect_around(const Octree& tree, const Leaf& leaf, Sharing sharing, const NearLeaves& near,
-                    std::vector<Leaf>& found) {
+// Calls visit for the leaf on every side of one, and if that is smaller for those beside it on the same side too.
+template <class Visit>
+void for_leaves_around(const Octree& tree, const Leaf& leaf, Sharing sharing, const Visit& visit) {
   const std::int32_t width = 1 << leaf.level;
-  const std::array<std::int32_t, 4> steps{-1, width, 0, width / 2};
-  const std::size_t different = leaf.level == 0 ? 3 : 4;
-  for (std::size_t k = 0; k < different; ++k)
-    for (std::size_t j = 0; j < different; ++j)
-      for (std::size_t i = 0; i < different; ++i) {
-        const int outside = static_cast<int>(i < 2) + static_cast<int>(j < 2) + static_cast<int>(k < 2);
+  const auto visit_over = [&](const TreeIndex& at) {
+    const Leaf other = tree.leaf_over(at);
+    visit(other);
+    return other.level;
+  };
+  for (std::int32_t k = -1; k <= 1; ++k)
+    for (std::int32_t j = -1; j <= 1; ++j)
+      for (std::int32_t i = -1; i <= 1; ++i) {
+        const TreeIndex side{i, j, k};
+        const auto outside = std::ranges::count_if(side, [](std::int32_t d) { return d != 0; });
         if (outside == 0 || (sharing == Sharing::face && outside > 1)) continue;
-        const TreeIndex beside{leaf.low[0] + steps[i], leaf.low[1] + steps[j], leaf.low[2] + steps[k]};
-        if (!tree.contains(beside)) continue;
-        const Leaf other = tree.leaf_over(beside);
-        if (near.is_near[tree.offset(other.low)] == 0) found.push_back(other);
+        TreeIndex first = leaf.low;
+        for (std::size_t a = 0; a < 3; ++a) first[a] += side[a] < 0 ? -1 : side[a] * width;
+        if (!tree.contains(first) || visit_over(first) >= leaf.level) continue;
+        for (std::int32_t other = 1; other < 8; ++other) {  // a bit for each axis
+          TreeIndex at = first;
+          bool is_beside = true;
+          for (std::size_t a = 0; a < 3; ++a) {
+            if ((other >> a & 1) == 0) continue;
+            is_beside = is_beside && side[a] == 0;
+            at[a] += width / 2;
+          }
+          if (is_beside) visit_over(at);
+        }
       }
 }
 
@@ -95,18 +109,13 @@ void collect_around(const Octree& tree, const Leaf& leaf, Sharing sharing, const
 
 std::vector<Leaf> add_leaves_around(const Octree& tree, const std::vector<Leaf>& leaves, Sharing sharing,
                                     NearLeaves& near) {
-  auto found = parallel::gather<Leaf>(0, static_cast<std::int64_t>(leaves.size()),
-                                      [&](std::int64_t begin, std::int64_t end, std::vector<Leaf>& own) {
-                                        for (auto l = begin; l < end; ++l)
-                                          collect_around(tree, leaves[static_cast<std::size_t>(l)], sharing, near, own);
-                                      });
-  std::erase_if(found, [&](const Leaf& leaf) {
-    auto& is_near = near.is_near[tree.offset(leaf.low)];
-    const bool was_near = is_near != 0;
-    is_near = 1;
-    return was_near;
-  });
-  return found;
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Leaf>& found) {
+    const auto add = [&](const Leaf& leaf) {
+      if (set_first(near.is_near[tree.offset(leaf.low)], std::uint8_t{1})) found.push_back(leaf);
+    };
+    for (auto l = begin; l < end; ++l) for_leaves_around(tree, leaves[static_cast<std::size_t>(l)], sharing, add);
+  };
+  return parallel::gather<Leaf>(0, std::ssize(leaves), find);
 }
 
 NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at) {

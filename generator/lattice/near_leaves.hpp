@@ -27,7 +27,7 @@ NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>
 /// What leaves have in common.
 enum class Sharing { corner, face };
 
-/// Makes those leaves near that share something with some; returns which were not.
+/// Makes those leaves near that share something with some; returns which were not, in any order.
 std::vector<Leaf> add_leaves_around(const Octree& tree, const std::vector<Leaf>& leaves, Sharing sharing,
                                     NearLeaves& near);
 

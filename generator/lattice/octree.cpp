@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
 
 namespace heart::lattice {
@@ -31,39 +32,16 @@ int root_level(const Vec3& box_mm, double cell_mm) {
 }
 
 /// The level of cells, counted from cells `cell_mm` wide, whose lattice has edges of about a length.
-int level_of(double edge_mm, double cell_mm, int root) {
+std::int32_t level_of(double edge_mm, double cell_mm, std::int32_t root) {
   const double ratio = edge_mm / (mean_edge_per_cell * cell_mm);
-  int allowed = 0;
+  std::int32_t allowed = 0;
   for (double limit = 1.41; allowed < root && ratio > limit; limit *= 2) ++allowed;
   return allowed;
 }
 
-/// The box in cells of one size, and what is asked of it.
-struct Request {
-  TreeIndex size;  // of the box in cells
-  Vec3 step_mm;    // of the cells
-  double cell_mm;  // the same, before rounding
-  int root;        // level of the root cells above these
-  Vec3 origin_mm;
-  const std::function<double(const Vec3&)>* edge_mm;
-};
-
-Vec3 center_of(const Request& r, std::int32_t i, std::int32_t j, std::int32_t k) {
-  return r.origin_mm + Vec3{(i + 0.5) * r.step_mm.x, (j + 0.5) * r.step_mm.y, (k + 0.5) * r.step_mm.z};
-}
-
-Level finest_level(const Request& r) {
-  Level level{r.size, {}};
-  level.finest.resize(static_cast<std::size_t>(r.size[0]) * static_cast<std::size_t>(r.size[1]) *
-                      static_cast<std::size_t>(r.size[2]));
-  parallel::parallel_for(0, r.size[2], [&](std::int64_t begin, std::int64_t end) {
-    for (auto k = static_cast<std::int32_t>(begin); k < end; ++k)
-      for (std::int32_t j = 0; j < r.size[1]; ++j)
-        for (std::int32_t i = 0; i < r.size[0]; ++i)
-          level.at(i, j, k) =
-              static_cast<std::uint8_t>(level_of((*r.edge_mm)(center_of(r, i, j, k)), r.cell_mm, r.root));
-  });
-  return level;
+Vec3 center_of(const BoxCells& cells, std::int32_t i, std::int32_t j, std::int32_t k) {
+  const Vec3& step = cells.step_mm;
+  return cells.origin_mm + Vec3{(i + 0.5) * step.x, (j + 0.5) * step.y, (k + 0.5) * step.z};
 }
 
 Level coarser(Level& fine) {
@@ -78,32 +56,34 @@ Level coarser(Level& fine) {
   return coarse;
 }
 
+using EdgeAt = std::function<double(const Vec3&)>;
+
 // How often the finest cells are halved so that they are about as short as the spots wish.
-int extra_levels(const Request& r, const std::vector<FineSpot>& spots) {
+int extra_levels(const BoxCells& cells, const EdgeAt& edge_mm, const std::vector<FineSpot>& spots) {
   constexpr double most_finest_cells = 5e7;
-  const double cells = static_cast<double>(r.size[0]) * r.size[1] * r.size[2];
+  const double count = static_cast<double>(cells.size[0]) * cells.size[1] * cells.size[2];
   int extra = 0;
   for (const auto& spot : spots) {
-    const double wanted = std::ldexp((*r.edge_mm)(spot.center_mm), -spot.halvings) / mean_edge_per_cell;
-    while (std::ldexp(r.cell_mm, -extra) > std::numbers::sqrt2 * wanted &&
-           std::ldexp(cells, 3 * (extra + 1)) < most_finest_cells)
+    const double wanted = std::ldexp(edge_mm(spot.center_mm), -spot.halvings) / mean_edge_per_cell;
+    while (std::ldexp(cells.mean_step_mm, -extra) > std::numbers::sqrt2 * wanted &&
+           std::ldexp(count, 3 * (extra + 1)) < most_finest_cells)
       ++extra;
   }
   return extra;
 }
 
-Request halved(const Request& r, int times) {
-  Request fine = r;
+BoxCells halved(const BoxCells& cells, int times) {
+  BoxCells fine = cells;
   for (auto& size : fine.size) size <<= times;
-  fine.step_mm = std::ldexp(1.0, -times) * r.step_mm;
-  fine.cell_mm = std::ldexp(r.cell_mm, -times);
+  fine.step_mm = std::ldexp(1.0, -times) * cells.step_mm;
+  fine.mean_step_mm = std::ldexp(cells.mean_step_mm, -times);
   fine.root += times;
   return fine;
 }
 
 // Only the finest cells in a spot are looked at: of all of the box there may be many more. Those of level 0 need no
 // entry: they are never divided.
-void lower_in_spot(std::vector<Level>& levels, const Request& r, const FineSpot& spot) {
+void lower_in_spot(std::vector<Level>& levels, const BoxCells& r, const EdgeAt& edge_mm, const FineSpot& spot) {
   TreeIndex low, high;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -118,7 +98,7 @@ void lower_in_spot(std::vector<Level>& levels, const Request& r, const FineSpot&
         const Vec3 center = center_of(r, i, j, k), way = center - spot.center_mm;
         if (dot(way, way) >= spot.radius_mm * spot.radius_mm) continue;
         const auto wanted =
-            static_cast<std::uint8_t>(level_of(std::ldexp((*r.edge_mm)(center), -spot.halvings), r.cell_mm, r.root));
+            static_cast<std::uint8_t>(level_of(std::ldexp(edge_mm(center), -spot.halvings), r.mean_step_mm, r.root));
         for (int number = 1; number <= r.root; ++number) {
           auto& value = levels[static_cast<std::size_t>(number)].at(i >> number, j >> number, k >> number);
           value = std::min(value, wanted);
@@ -127,10 +107,11 @@ void lower_in_spot(std::vector<Level>& levels, const Request& r, const FineSpot&
 }
 
 // Of the cells of all levels, finest first; none of level 0 where there are spots.
-std::vector<Level> make_levels(const Request& coarsest, const Request& finest, const std::vector<FineSpot>& spots) {
-  std::vector<Level> levels{finest_level(coarsest)};
-  for (int number = 1; number <= coarsest.root; ++number) levels.push_back(coarser(levels.back()));
-  const int extra = finest.root - coarsest.root;
+std::vector<Level> make_levels(const WantedLevels& wanted, const BoxCells& finest, const EdgeAt& edge_mm,
+                               const std::vector<FineSpot>& spots) {
+  std::vector<Level> levels{{wanted.cells.size, wanted.level}};
+  for (int number = 1; number <= wanted.cells.root; ++number) levels.push_back(coarser(levels.back()));
+  const int extra = finest.root - wanted.cells.root;
   for (auto& level : levels)
     for (auto& value : level.finest) value = static_cast<std::uint8_t>(value + extra);
   for (int number = extra - 1; number >= 0; --number) {
@@ -139,7 +120,7 @@ std::vector<Level> make_levels(const Request& coarsest, const Request& finest, c
         static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
     levels.insert(levels.begin(), {size, std::vector<std::uint8_t>(number > 0 ? cells : 0, extra)});
   }
-  for (const auto& spot : spots) lower_in_spot(levels, finest, spot);
+  for (const auto& spot : spots) lower_in_spot(levels, finest, edge_mm, spot);
   return levels;
 }
 
@@ -161,20 +142,42 @@ void divide_parents(Level& level, Level& parents, int number) {
       }
 }
 
-void add_leaves(Octree& tree, std::vector<Level>& levels, const TreeIndex& cell, int number) {
+// Of one root cell, along a space-filling curve.
+void add_leaves(std::vector<Level>& levels, const TreeIndex& cell, int number, std::vector<Leaf>& leaves) {
   if (number > 0 && levels[static_cast<std::size_t>(number)].at(cell[0], cell[1], cell[2]) < number) {
     for (std::int32_t child = 0; child < 8; ++child)
-      add_leaves(tree, levels,
-                 {2 * cell[0] + (child & 1), 2 * cell[1] + ((child >> 1) & 1), 2 * cell[2] + (child >> 2)}, number - 1);
+      add_leaves(levels, {2 * cell[0] + (child & 1), 2 * cell[1] + ((child >> 1) & 1), 2 * cell[2] + (child >> 2)},
+                 number - 1, leaves);
     return;
   }
-  const std::int32_t width = 1 << number;
-  const TreeIndex low{cell[0] * width, cell[1] * width, cell[2] * width};
-  tree.leaves.push_back({low, number});
-  for (std::int32_t k = 0; k < width; ++k)
-    for (std::int32_t j = 0; j < width; ++j)
-      std::fill_n(tree.level.begin() + static_cast<std::ptrdiff_t>(tree.offset({low[0], low[1] + j, low[2] + k})),
-                  width, static_cast<std::uint8_t>(number));
+  leaves.push_back({{cell[0] << number, cell[1] << number, cell[2] << number}, number});
+}
+
+std::vector<Leaf> leaves_of(std::vector<Level>& levels, const BoxCells& cells) {
+  const std::int64_t nx = cells.size[0] >> cells.root, ny = cells.size[1] >> cells.root,
+                     nz = cells.size[2] >> cells.root;
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Leaf>& leaves) {
+    for (auto r = begin; r < end; ++r)
+      add_leaves(levels,
+                 {static_cast<std::int32_t>(r % nx), static_cast<std::int32_t>(r / nx % ny),
+                  static_cast<std::int32_t>(r / (nx * ny))},
+                 cells.root, leaves);
+  };
+  return parallel::gather<Leaf>(0, nx * ny * nz, find);
+}
+
+void note_levels(Octree& tree) {
+  tree.level.resize(tree.offset({0, 0, tree.size[2]}));
+  parallel::parallel_for(0, std::ssize(tree.leaves), [&](std::int64_t begin, std::int64_t end) {
+    for (auto l = begin; l < end; ++l) {
+      const auto& [low, number] = tree.leaves[static_cast<std::size_t>(l)];
+      const std::int32_t width = 1 << number;
+      for (std::int32_t k = 0; k < width; ++k)
+        for (std::int32_t j = 0; j < width; ++j)
+          std::fill_n(tree.level.begin() + static_cast<std::ptrdiff_t>(tree.offset({low[0], low[1] + j, low[2] + k})),
+                      width, static_cast<std::uint8_t>(number));
+    }
+  });
 }
 
 }  // namespace
@@ -189,27 +192,42 @@ bool is_leaf_corner(const Octree& tree, const TreeIndex& at) {
   return false;
 }
 
-Octree make_octree(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,
-                   const std::function<double(const Vec3&)>& edge_mm, const std::vector<FineSpot>& spots) {
+WantedLevels wanted_levels(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,
+                           const std::function<double(const Vec3&)>& edge_mm) {
   const Vec3 box = box_max_mm - box_min_mm;
-  Request wanted{{}, {}, finest_edge_mm / mean_edge_per_cell, 0, box_min_mm, &edge_mm};
-  wanted.root = root_level(box, wanted.cell_mm);
+  WantedLevels wanted;
+  auto& cells = wanted.cells;
+  cells.origin_mm = box_min_mm;
+  cells.mean_step_mm = finest_edge_mm / mean_edge_per_cell;
+  cells.root = root_level(box, cells.mean_step_mm);
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    const auto roots = std::max<std::int64_t>(1, std::llround(box[axis] / std::ldexp(wanted.cell_mm, wanted.root)));
-    wanted.size[a] = static_cast<std::int32_t>(roots << wanted.root);
-    wanted.step_mm[axis] = box[axis] / static_cast<double>(wanted.size[a]);
+    const auto roots = std::max<std::int64_t>(1, std::llround(box[axis] / std::ldexp(cells.mean_step_mm, cells.root)));
+    cells.size[a] = static_cast<std::int32_t>(roots << cells.root);
+    cells.step_mm[axis] = box[axis] / static_cast<double>(cells.size[a]);
   }
-  const auto finest = halved(wanted, extra_levels(wanted, spots));
-  Octree tree{box_min_mm, finest.step_mm, finest.size, {}, {}};
-  tree.level.resize(tree.offset({0, 0, tree.size[2]}));
-  auto levels = make_levels(wanted, finest, spots);
+  const auto slice = static_cast<std::size_t>(cells.size[0]) * static_cast<std::size_t>(cells.size[1]);
+  wanted.level.resize(slice * static_cast<std::size_t>(cells.size[2]));
+  parallel::parallel_for(0, cells.size[2], [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = static_cast<std::int32_t>(begin); k < end; ++k) {
+      auto* level = wanted.level.data() + slice * static_cast<std::size_t>(k);
+      for (std::int32_t j = 0; j < cells.size[1]; ++j)
+        for (std::int32_t i = 0; i < cells.size[0]; ++i)
+          *level++ =
+              static_cast<std::uint8_t>(level_of(edge_mm(center_of(cells, i, j, k)), cells.mean_step_mm, cells.root));
+    }
+  });
+  return wanted;
+}
+
+Octree make_octree(const WantedLevels& wanted, const std::function<double(const Vec3&)>& edge_mm,
+                   const std::vector<FineSpot>& spots) {
+  const auto finest = halved(wanted.cells, extra_levels(wanted.cells, edge_mm, spots));
+  auto levels = make_levels(wanted, finest, edge_mm, spots);
   for (int number = 1; number < finest.root; ++number)
     divide_parents(levels[static_cast<std::size_t>(number)], levels[static_cast<std::size_t>(number) + 1], number);
-  const int root = finest.root;
-  for (std::int32_t k = 0; k < finest.size[2] >> root; ++k)
-    for (std::int32_t j = 0; j < finest.size[1] >> root; ++j)
-      for (std::int32_t i = 0; i < finest.size[0] >> root; ++i) add_leaves(tree, levels, {i, j, k}, root);
+  Octree tree{finest.origin_mm, finest.step_mm, finest.size, leaves_of(levels, finest), {}};
+  note_levels(tree);
   return tree;
 }
 

@@ -72,11 +72,30 @@ constexpr double mean_edge_per_cell = 0.9235;
 /// Cells for each cube of the lattice inside a body: 12, and what the surface adds at usual sizes.
 constexpr double cells_per_cube = 13.5;
 
-/// Leaves are as large as `edge_mm` allows: the mean edge of the lattice is about it, between 0.7 and 1.4 of it.
-/// `finest_edge_mm` is the smallest value of edge_mm. In the spots edges are halved, as far as there is
-/// room for an entry for each finest cell of the box; elsewhere leaves are what they are without spots, but for the
-/// grading around these.
-Octree make_octree(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,
-                   const std::function<double(const Vec3&)>& edge_mm, const std::vector<FineSpot>& spots = {});
+/// The cells of one size that fill a box.
+struct BoxCells {
+  Vec3 origin_mm;           ///< lower corner of the box
+  Vec3 step_mm;             ///< of the cells along the axes
+  TreeIndex size{0, 0, 0};  ///< cells along each axis
+  double mean_step_mm = 0;  ///< before rounding
+  std::int32_t root = 0;    ///< level of the root cells, 2^root of these cells wide
+};
+
+/// The finest cells of a box that are needed without spots, and the level (BoxCells::root at most) that the edge at the
+/// centre of each allows, x fastest.
+struct WantedLevels {
+  BoxCells cells;
+  std::vector<std::uint8_t> level;
+};
+
+/// `finest_edge_mm` is the smallest value of edge_mm, which is called from several threads.
+WantedLevels wanted_levels(const Vec3& box_min_mm, const Vec3& box_max_mm, double finest_edge_mm,
+                           const std::function<double(const Vec3&)>& edge_mm);
+
+/// Leaves are as large as `edge_mm` allows: the mean edge of the lattice is about it, between 0.7 and 1.4 of it. In the
+/// spots edges are halved, as far as there is room for an entry for each finest cell of the box; elsewhere leaves are
+/// what they are without spots, but for the grading around these.
+Octree make_octree(const WantedLevels& wanted, const std::function<double(const Vec3&)>& edge_mm,
+                   const std::vector<FineSpot>& spots = {});
 
 }  // namespace heart::lattice

@@ -18,4 +18,11 @@ void set_to(T& word, T value) {
   if (shared.load(std::memory_order_relaxed) != value) shared.store(value, std::memory_order_relaxed);
 }
 
+/// Writes a value that is the only one which threads write at a time; whether this call changed it.
+template <class T>
+bool set_first(T& word, T value) {
+  const std::atomic_ref shared(word);
+  return shared.load(std::memory_order_relaxed) != value && shared.exchange(value, std::memory_order_relaxed) != value;
+}
+
 }  // namespace heart::lattice

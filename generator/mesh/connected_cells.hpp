@@ -1,8 +1,9 @@
-// Private to this folder: cells, their neighbours and the cells of their nodes, for work on labels.
+// Private to this folder: cells and the cells of their nodes, for work on labels.
 #pragma once
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "generator/lattice/stars.hpp"
@@ -10,29 +11,32 @@
 
 namespace heart::mesh {
 
+inline bool has(const Cell& cell, std::int32_t n) {
+  return cell[0] == n || cell[1] == n || cell[2] == n || cell[3] == n;
+}
+
 constexpr std::array<std::array<std::size_t, 3>, 4> face_corners{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
 /// Per node, whether a cell around it has changed.
 using Changes = std::vector<std::uint8_t>;
 
-constexpr std::int32_t hull = -1, unknown = -2;
+constexpr std::int32_t hull = -1;
 
 struct Tetrahedra {
   const std::vector<Vec3>* nodes;
   const std::vector<Cell>* cells;
   std::vector<std::int32_t>* label;
   lattice::Stars stars;
-  Changes is_mixed;                                     // nodes that several labels meet, at the start
-  std::vector<std::array<std::int32_t, 4>> neighbours;  // across the face opposite to each corner
+  Changes is_mixed;  // nodes that several labels may meet
 
   std::int32_t label_of(std::int32_t cell) const { return (*label)[static_cast<std::size_t>(cell)]; }
   const Cell& cell(std::int32_t c) const { return (*cells)[static_cast<std::size_t>(c)]; }
-  /// The cell beyond a face, or `hull`. Labels change at a few places: only there neighbours are known beforehand.
+  /// The cell beyond the face opposite to a corner, or `hull`.
   std::int32_t across(std::int32_t c, std::size_t corner) const {
-    const auto known = neighbours[static_cast<std::size_t>(c)][corner];
-    return known != unknown ? known : find_across(c, corner);
+    return across_among(stars.of(cell(c)[face_corners[corner][0]]), c, corner);
   }
-  std::int32_t find_across(std::int32_t c, std::size_t corner) const;
+  /// The same where all cells of one of the face's nodes are known.
+  std::int32_t across_among(std::span<const std::int32_t> star, std::int32_t c, std::size_t corner) const;
   std::int32_t label_across(std::int32_t c, std::size_t corner) const {
     const auto other = across(c, corner);
     return other == hull ? 0 : label_of(other);

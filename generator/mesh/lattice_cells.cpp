@@ -120,6 +120,7 @@ bool is_better(const Attempt& a, const Attempt& b) {
 /// What every attempt at a mesh is told.
 struct Task {
   lattice::Materials materials;  // with spots where edges as wanted were too long
+  lattice::WantedLevels wanted;
   std::span<const LabelSet> manifold_sets;
   std::int64_t crumb_cells;
   LatticeAims aims;
@@ -170,11 +171,11 @@ bool find_spots(Task& task, const lattice::Lattice& lattice, const lattice::Stuf
 lattice::Complex stuff_and_settle(Task& task, double reach) {
   lattice::StuffSettings stuffing;
   stuffing.edge_reach = reach;
-  auto lattice = lattice::lay_lattice(task.materials);
+  auto lattice = lattice::lay_lattice(task.materials, task.wanted);
   if (task.aims.refines && task.materials.spots.empty()) {
     const bool is_refined = find_spots(task, lattice, stuffing);
     task.watch->note("find spots");
-    if (is_refined) lattice = lattice::lay_lattice(task.materials);
+    if (is_refined) lattice = lattice::lay_lattice(task.materials, task.wanted);
   }
   auto complex = lattice::stuff(task.materials, lattice, stuffing);
   task.watch->note("stuff");
@@ -230,7 +231,7 @@ adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& gri
 lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report, const LatticeAims& aims) {
   StepWatch watch{report};
-  Task task{materials, manifold_sets, crumb_cells, aims, {}, &watch};
+  Task task{materials, lattice::wanted_levels(materials), manifold_sets, crumb_cells, aims, {}, &watch};
   Attempt best;
   const auto is_enough_with = [&](double reach) {
     auto made = attempt(task, reach);

@@ -1,10 +1,12 @@
 #include "generator/mesh/settle_labels.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
 
+#include "generator/lattice/shared_marks.hpp"
 #include "generator/mesh/connected_cells.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
@@ -24,72 +26,99 @@ std::int32_t most_touched(const Tetrahedra& t, const std::vector<std::int32_t>& 
   return *most > 0 ? static_cast<std::int32_t>(most - area.begin()) : -1;
 }
 
-void note_change(const Tetrahedra& t, const std::vector<std::int32_t>& cells, Changes& changes) {
+void note_change(Tetrahedra& t, const std::vector<std::int32_t>& cells, Changes& changes) {
   for (const auto cell : cells)
-    for (const auto corner : t.cell(cell)) changes[static_cast<std::size_t>(corner)] = 1;
-}
-
-// Cells with a changed node that lie beside one of another label, ascending.
-std::vector<std::int32_t> cells_at_interfaces(const Tetrahedra& t, const Changes& changes) {
-  const auto is_at_interface = [&](std::int32_t cell) {
-    const auto& nodes = t.cell(cell);
-    if (std::none_of(nodes.begin(), nodes.end(),
-                     [&](std::int32_t n) { return changes[static_cast<std::size_t>(n)] != 0; }))
-      return false;
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-      // What was not connected has the same label on both sides, unless that has changed.
-      if (t.neighbours[static_cast<std::size_t>(cell)][corner] == unknown &&
-          std::all_of(face_corners[corner].begin(), face_corners[corner].end(),
-                      [&](std::size_t i) { return changes[static_cast<std::size_t>(nodes[i])] == 0; }))
-        continue;
-      if (t.label_across(cell, corner) != t.label_of(cell)) return true;
-    }
-    return false;
-  };
-  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<std::int32_t>& found) {
-    for (auto cell = begin; cell < end; ++cell)
-      if (is_at_interface(static_cast<std::int32_t>(cell))) found.push_back(static_cast<std::int32_t>(cell));
-  };
-  return parallel::gather<std::int32_t>(0, static_cast<std::int64_t>(t.cells->size()), find);
+    for (const auto corner : t.cell(cell))
+      changes[static_cast<std::size_t>(corner)] = t.is_mixed[static_cast<std::size_t>(corner)] = 1;
 }
 
 /// Of each cell: whether the piece that it belongs to has been looked at, or just now is.
 enum class Look : std::uint8_t { unseen, seen, now };
-using Looks = std::vector<Look>;
 
-// Sets the piece of one label to which a cell belongs; false where it stays: has more than `crumb_cells` cells, or is
-// the outside.
+/// What is known of pieces: cells of one label that hang together through faces.
+struct Looks {
+  std::vector<Look> cell;
+  std::vector<std::uint8_t> stays;  // per node: whether the piece around it is one and known to be no crumb
+};
+
+// Whether the cells around a node and one beside it are of one label, and more than `crumb_cells`.
+bool is_in_great_piece(const Tetrahedra& t, std::int32_t node, std::int64_t crumb_cells) {
+  const auto is_mixed = [&](std::int32_t n) { return t.is_mixed[static_cast<std::size_t>(n)] != 0; };
+  if (is_mixed(node)) return false;
+  const auto star = t.stars.of(node);
+  for (const auto c : star)
+    for (const auto other : t.cell(c)) {
+      if (other == node || is_mixed(other)) continue;
+      const auto shared = std::ranges::count_if(star, [&](std::int32_t s) { return has(t.cell(s), other); });
+      return std::ssize(star) + std::ssize(t.stars.of(other)) - shared > crumb_cells;
+    }
+  return false;
+}
+
+bool has_changed(const Tetrahedra& t, std::int32_t cell, const Changes& changes) {
+  return std::ranges::any_of(t.cell(cell), [&](std::int32_t n) { return changes[static_cast<std::size_t>(n)] != 0; });
+}
+
+// Of cells that have changed it is quickly told whether their pieces are great ones.
+Looks first_looks(const Tetrahedra& t, std::int64_t crumb_cells, const Changes& changes) {
+  Looks looks{std::vector(t.cells->size(), Look::unseen), std::vector<std::uint8_t>(t.nodes->size(), 0)};
+  Changes is_asked(t.nodes->size(), 0);
+  parallel::parallel_for(0, std::ssize(*t.cells), [&](std::int64_t begin, std::int64_t end) {
+    for (auto c = static_cast<std::int32_t>(begin); c < end; ++c)
+      if (has_changed(t, c, changes))
+        for (const auto n : t.cell(c)) lattice::set_to(is_asked[static_cast<std::size_t>(n)], std::uint8_t{1});
+  });
+  parallel::parallel_for(0, std::ssize(looks.stays), [&](std::int64_t begin, std::int64_t end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
+      looks.stays[n] = is_asked[n] != 0 && is_in_great_piece(t, static_cast<std::int32_t>(n), crumb_cells);
+  });
+  return looks;
+}
+
+bool is_known_to_stay(const Tetrahedra& t, std::int32_t cell, const Looks& looks) {
+  return std::ranges::any_of(t.cell(cell),
+                             [&](std::int32_t n) { return looks.stays[static_cast<std::size_t>(n)] != 0; });
+}
+
+// Sets the piece to which a cell belongs; false where it is known to stay: has more than `crumb_cells` cells, or is the
+// outside.
 bool find_crumb(const Tetrahedra& t, std::int32_t seed, std::int64_t crumb_cells, Looks& looks,
                 std::vector<std::int32_t>& piece) {
   const auto label = t.label_of(seed);
   piece.assign(1, seed);
-  looks[static_cast<std::size_t>(seed)] = Look::now;
-  bool does_stay = false;
-  const auto most = static_cast<std::size_t>(crumb_cells);
-  for (std::size_t next = 0; next < piece.size() && piece.size() <= most && !does_stay; ++next)
-    for (std::size_t corner = 0; corner < 4; ++corner) {
+  looks.cell[static_cast<std::size_t>(seed)] = Look::now;
+  const auto is_too_large = [&] { return std::ssize(piece) > crumb_cells; };
+  bool does_stay = is_too_large();
+  for (std::size_t next = 0; next < piece.size() && !does_stay; ++next) {
+    does_stay = is_known_to_stay(t, piece[next], looks);
+    for (std::size_t corner = 0; corner < 4 && !does_stay; ++corner) {
       const auto other = t.across(piece[next], corner);
       if (other == hull) {
-        does_stay = does_stay || label == 0;
+        does_stay = label == 0;
         continue;
       }
-      auto& look = looks[static_cast<std::size_t>(other)];
+      auto& look = looks.cell[static_cast<std::size_t>(other)];
       if (t.label_of(other) != label || look == Look::now) continue;
-      does_stay = does_stay || look == Look::seen;
-      look = Look::now;
       piece.push_back(other);
+      does_stay = look == Look::seen || is_too_large();
+      look = Look::now;
     }
-  for (const auto cell : piece) looks[static_cast<std::size_t>(cell)] = Look::seen;
-  return !does_stay && piece.size() <= most;
+  }
+  for (const auto cell : piece) looks.cell[static_cast<std::size_t>(cell)] = Look::seen;
+  return !does_stay;
 }
 
 // `changes` since this was last done.
 std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells, const Changes& changes, Changes& made) {
+  auto looks = first_looks(t, crumb_cells, changes);
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<std::int32_t>& found) {
+    for (auto c = static_cast<std::int32_t>(begin); c < end; ++c)
+      if (has_changed(t, c, changes) && !is_known_to_stay(t, c, looks)) found.push_back(c);
+  };
   std::int64_t changed = 0;
-  Looks looks(t.cells->size(), Look::unseen);
   std::vector<std::int32_t> piece;
-  for (const auto seed : cells_at_interfaces(t, changes)) {
-    if (looks[static_cast<std::size_t>(seed)] != Look::unseen || !find_crumb(t, seed, crumb_cells, looks, piece))
+  for (const auto seed : parallel::gather<std::int32_t>(0, std::ssize(*t.cells), find)) {
+    if (looks.cell[static_cast<std::size_t>(seed)] != Look::unseen || !find_crumb(t, seed, crumb_cells, looks, piece))
       continue;
     const auto label = t.label_of(seed);
     const auto other = most_touched(t, piece, [&](std::int32_t l) { return l != label; });
@@ -128,7 +157,7 @@ std::vector<Part> parts_of_star(const Tetrahedra& t, std::int32_t node, const La
       for (std::size_t corner = 0; corner < 4; ++corner) {
         const auto cell = part.cells[next];
         if (t.cell(cell)[corner] == node) continue;  // the face opposite to the node
-        const auto neighbour = t.across(cell, corner);
+        const auto neighbour = t.across_among(star, cell, corner);
         on_hull |= neighbour < 0;
         if (neighbour < 0 || inside(neighbour) != part.inside) continue;
         const auto other = place(neighbour);
@@ -168,55 +197,85 @@ const Part* part_to_change(const std::vector<Part>& parts, bool only_inner) {
   return smallest;
 }
 
-/// Some faces at a node that part a set from its complement, by their two other nodes.
-struct Rim {
-  std::array<std::array<std::int32_t, 2>, 24> edges;
-  std::size_t count = 0;
+/// The triangles opposite to a node in its cells, inside a set or outside.
+class Link {
+ public:
+  // False where there are too many nodes.
+  bool add(const Cell& cell, std::int32_t node, bool inside) {
+    std::array<std::size_t, 3> places;
+    std::size_t i = 0;
+    for (const auto n : cell) {
+      if (n == node) continue;
+      places[i] = place_of(n);
+      if (places[i++] == slots) return false;
+    }
+    auto& open = open_[inside ? 1 : 0];
+    for (std::size_t k = 0; k < 3; ++k) open[places[k]] ^= bit(places[(k + 1) % 3]) | bit(places[(k + 2) % 3]);
+    return true;
+  }
+  // Whether the edges that part inside and outside make one simple closed line: it parts the sphere around the node in
+  // two. Not on the hull.
+  bool is_parted_by_one_line() const {
+    if (open_[0] != open_[1]) return false;
+    const auto& open = open_[1];
+    std::size_t count = 0, start = 0;
+    for (std::size_t p = 0; p < slots; ++p) {
+      if (open[p] == 0) continue;
+      const auto but_one = open[p] & (open[p] - 1);
+      if (but_one == 0 || (but_one & (but_one - 1)) != 0) return false;  // not two
+      ++count;
+      start = p;
+    }
+    if (count == 0) return false;
+    std::size_t length = 0;
+    auto before = std::uint64_t{0};
+    for (std::size_t at = start; length == 0 || at != start; ++length) {
+      const auto next = open[at] & ~before;
+      before = bit(at);
+      at = static_cast<std::size_t>(std::countr_zero(next));
+    }
+    return length == count;
+  }
+
+ private:
+  static constexpr std::size_t slots = 64, most_nodes = 48;
+  static std::uint64_t bit(std::size_t place) { return std::uint64_t{1} << place; }
+
+  std::size_t place_of(std::int32_t n) {
+    auto place = static_cast<std::size_t>(n) % slots;
+    while (nodes_[place] != n) {
+      if (nodes_[place] == none) {
+        if (++count_ > most_nodes) return slots;
+        nodes_[place] = n;
+        break;
+      }
+      place = (place + 1) % slots;
+    }
+    return place;
+  }
+
+  static constexpr std::int32_t none = -1;
+  std::size_t count_ = 0;
+  std::array<std::int32_t, slots> nodes_ = [] {
+    std::array<std::int32_t, slots> nodes;
+    nodes.fill(none);
+    return nodes;
+  }();
+  // Of each node around, to which others it has an edge that one triangle has, not two: inside the set and outside.
+  std::array<std::array<std::uint64_t, slots>, 2> open_{};
 };
 
-// False where they are too many, or the node lies on the hull.
-bool collect_rim(const Tetrahedra& t, std::int32_t node, const LabelSet& set, Rim& rim) {
-  const auto inside = [&](std::int32_t cell) { return set[static_cast<std::size_t>(t.label_of(cell))]; };
-  for (const auto c : t.stars.of(node)) {
-    if (!inside(c)) continue;
-    const Cell& cell = t.cell(c);
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-      if (cell[corner] == node) continue;  // the face opposite to the node
-      const auto other = t.across(c, corner);
-      if (other == hull) return false;
-      if (inside(other)) continue;
-      if (rim.count == rim.edges.size()) return false;
-      auto& edge = rim.edges[rim.count++];
-      std::size_t i = 0;
-      for (const auto at : face_corners[corner])
-        if (cell[at] != node) edge[i++] = cell[at];
-    }
-  }
-  return true;
-}
-
-// Whether the edges make one simple closed line: then it parts the sphere around the node in two.
-bool is_one_line(Rim& rim) {
-  if (rim.count < 3) return false;
-  auto at = rim.edges[0][1];
-  for (std::size_t done = 1; done < rim.count; ++done) {
-    std::size_t next = rim.count;
-    for (std::size_t e = done; e < rim.count; ++e) {
-      if (rim.edges[e][0] != at && rim.edges[e][1] != at) continue;
-      if (next != rim.count) return false;
-      next = e;
-    }
-    if (next == rim.count) return false;
-    std::swap(rim.edges[done], rim.edges[next]);
-    at = rim.edges[done][0] == at ? rim.edges[done][1] : rim.edges[done][0];
-  }
-  return at == rim.edges[0][0];
+bool is_parted_by_one_line(const Tetrahedra& t, std::int32_t node, const LabelSet& set) {
+  Link link;
+  for (const auto c : t.stars.of(node))
+    if (!link.add(t.cell(c), node, set[static_cast<std::size_t>(t.label_of(c))])) return false;
+  return link.is_parted_by_one_line();
 }
 
 // Whether the set or its complement falls apart at a node.
 bool falls_apart(const Tetrahedra& t, std::int32_t node, const LabelSet& set) {
   if (!is_mixed(t, node, set)) return false;
-  if (Rim rim; collect_rim(t, node, set, rim) && is_one_line(rim)) return false;
+  if (is_parted_by_one_line(t, node, set)) return false;
   return parts_of_star(t, node, set).size() > 2;
 }
 

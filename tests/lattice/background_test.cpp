@@ -13,7 +13,9 @@ using namespace heart::testing;
 // Fine in a ball, growing away from it.
 double graded_edge(const Vec3& p) { return 1 + 0.5 * std::max(0.0, norm(p - Vec3{3, 2, 1}) - 4); }
 
-lattice::Octree graded_tree() { return lattice::make_octree({-20, -20, -20}, {24, 20, 20}, 1, graded_edge); }
+lattice::Octree graded_tree() {
+  return lattice::make_octree(lattice::wanted_levels({-20, -20, -20}, {24, 20, 20}, 1, graded_edge), graded_edge);
+}
 
 TEST(Octree, LeavesFillTheBoxOnce) {
   const auto tree = graded_tree();
@@ -76,8 +78,8 @@ TEST(Background, CellsFillTheBoxWithoutGapsOrOverlaps) {
 }
 
 TEST(Background, AnglesLieBetween45And120Degrees) {
-  const auto background =
-      lattice::make_background(lattice::make_octree({-16, -16, -16}, {16, 16, 16}, 0.9235, graded_edge));
+  const auto background = lattice::make_background(
+      lattice::make_octree(lattice::wanted_levels({-16, -16, -16}, {16, 16, 16}, 0.9235, graded_edge), graded_edge));
   Complex c;
   c.nodes_mm = background.nodes_mm;
   c.cells = background.cells;

@@ -25,7 +25,7 @@ int label_at(const Vec3& p) {
 
 lattice::Octree graded_tree() {
   const auto edge = [](const Vec3& p) { return 1 + 0.3 * std::max(0.0, std::abs(norm(p - Vec3{3, 2, 1}) - 6) - 2); };
-  return lattice::make_octree({-20, -20, -20}, {24, 20, 20}, 1, edge);
+  return lattice::make_octree(lattice::wanted_levels({-20, -20, -20}, {24, 20, 20}, 1, edge), edge);
 }
 
 Point point(const lattice::Background& b, std::int32_t n) {

@@ -130,6 +130,61 @@ TEST(SettleLabels, CrumbsGoToTheirNeighbour) {
   EXPECT_EQ(mesh.label, whole);
 }
 
+// Sizes of the pieces of one label that hang together through faces, but for those of label 0 that reach the hull.
+std::vector<int> piece_sizes(const Labelled& mesh) {
+  const auto faces = mesh::cell_faces(mesh.cells);
+  std::vector<std::vector<std::int32_t>> beside(mesh.cells.size());
+  std::vector<bool> is_outside(mesh.cells.size()), is_seen(mesh.cells.size());
+  for (const auto& f : faces) {
+    const auto cell = static_cast<std::size_t>(f.cell);
+    if (f.other < 0) {
+      is_outside[cell] = is_outside[cell] || mesh.label[cell] == 0;
+      continue;
+    }
+    if (mesh.label[cell] != mesh.label[static_cast<std::size_t>(f.other)]) continue;
+    beside[cell].push_back(f.other);
+    beside[static_cast<std::size_t>(f.other)].push_back(f.cell);
+  }
+  std::vector<int> sizes;
+  for (std::size_t seed = 0; seed < mesh.cells.size(); ++seed) {
+    std::vector<std::size_t> open{seed};
+    int size = 0;
+    bool is_inside = true;
+    while (!open.empty()) {
+      const auto at = open.back();
+      open.pop_back();
+      if (is_seen[at]) continue;
+      is_seen[at] = true;
+      ++size;
+      is_inside = is_inside && !is_outside[at];
+      for (const auto next : beside[at]) open.push_back(static_cast<std::size_t>(next));
+    }
+    if (size > 0 && is_inside) sizes.push_back(size);
+  }
+  return sizes;
+}
+
+TEST(SettleLabels, NoPieceIsLeftWithAsFewCellsAsACrumb) {
+  for (const int crumb : {0, 1, 7, 30}) {
+    auto mesh = cube(10, 5);
+    std::uint32_t state = 7;
+    for (auto& label : mesh.label) {
+      state = 1664525 * state + 1013904223;
+      if (state >> 24U < 40) label = static_cast<std::int32_t>((state >> 16U) % 3);
+    }
+    const auto whole = mesh.label;
+    const auto before = piece_sizes(mesh);
+    ASSERT_GT(std::ranges::count(before, 1), 100);
+    ASSERT_GT(std::ranges::count_if(before, [](int size) { return size > 1 && size < 8; }), 20);
+    mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, {}, crumb);
+    const auto after = piece_sizes(mesh);
+    EXPECT_GT(*std::ranges::min_element(after), crumb);
+    EXPECT_EQ(mesh.label == whole, crumb == 0);
+    // Twice the same: what is left stays.
+    EXPECT_EQ(mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, {}, crumb), 0);
+  }
+}
+
 TEST(SettleLabels, BodiesThatTouchInAnEdgeOrACornerArePartedOrJoined) {
   for (const bool corner : {false, true}) {
     auto mesh = cube(8, 8);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cstdlib>
 #include <fstream>
 #include <numeric>
 
@@ -65,6 +66,13 @@ void refuse_output(const std::filesystem::path& path, const std::error_code& err
   if (error) throw UserError("cannot be written: " + error.message(), path.string(), "name another file");
 }
 
+// By trying: some file systems, read-only ones among them, promise rights that they do not give.
+std::error_code try_to_write_in(const std::filesystem::path& folder) {
+  std::string probe = (folder / ".heartgen-XXXXXX").string();
+  if (mkdtemp(probe.data()) == nullptr || rmdir(probe.c_str()) != 0) return {errno, std::generic_category()};
+  return {};
+}
+
 }  // namespace
 
 void check_output(const std::filesystem::path& path) {
@@ -74,6 +82,7 @@ void check_output(const std::filesystem::path& path) {
   while (!there.empty() && !fs::exists(there)) there = there.parent_path();
   if (there.empty()) there = ".";
   if (there != path && !fs::is_directory(there)) refuse_output(path, std::make_error_code(std::errc::not_a_directory));
+  if (fs::is_directory(there)) return refuse_output(path, try_to_write_in(there));
   if (access(there.c_str(), W_OK) != 0) refuse_output(path, {errno, std::generic_category()});
 }
 

@@ -18,6 +18,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <limits>
 #include <string_view>
 
@@ -188,13 +189,38 @@ std::string one_line(std::string text) {
   return text;
 }
 
-UserError unreadable(const std::string& path, const itk::ExceptionObject& error) {
-  return {fmt::format("cannot be read: {}", one_line(error.GetDescription())), path, "is it complete and undamaged?"};
+/// What a library says, without the object and the address that it begins with, and the system's last error, which may
+/// be of something else, at its end.
+std::string what_failed(const itk::ExceptionObject& error) {
+  auto text = one_line(error.GetDescription());
+  if (const auto address = text.find("(0x"); address != text.npos)
+    if (const auto end = text.find("): ", address); end != text.npos) text.erase(0, end + 3);
+  return text.substr(0, text.find(" Reason: "));
 }
+
+UserError unreadable(const std::string& path, const itk::ExceptionObject& error) {
+  return {fmt::format("cannot be read: {}", what_failed(error)), path, "is it complete and undamaged?"};
+}
+
+/// While it lives, what libraries write to std::cerr goes nowhere: MetaIO says there, in lines of its own, what an
+/// exception then says again.
+class QuietLibraries {
+ public:
+  QuietLibraries() : usual_(std::cerr.rdbuf(nullptr)) {}
+  ~QuietLibraries() {
+    std::cerr.rdbuf(usual_);  // clears the state, too
+  }
+  QuietLibraries(const QuietLibraries&) = delete;
+  QuietLibraries& operator=(const QuietLibraries&) = delete;
+
+ private:
+  std::streambuf* usual_;
+};
 
 Volume<float> read_any(const std::string& path, bool allow_2d) {
   if (!fs::exists(path)) throw UserError("does not exist", path, "check the path");
   register_formats();
+  const QuietLibraries quiet;
   Volume<float> volume;
   try {
     volume = fs::is_directory(path) ? read_dicom_series(path) : read_file(path, allow_2d);
@@ -367,7 +393,7 @@ void write(const std::string& path, const Volume<T>& volume) {
   try {
     writer->Update();
   } catch (const itk::ExceptionObject& error) {
-    throw UserError(fmt::format("cannot be written: {}", one_line(error.GetDescription())), path,
+    throw UserError(fmt::format("cannot be written: {}", what_failed(error)), path,
                     "is there room on the disk, and the right to write there?");
   }
   check_written(file, path, volume.voxels.size() * sizeof(T));
@@ -439,6 +465,7 @@ Volume<float> read_image(const std::string& path) { return read_any(path, true);
 ComponentImage read_components(const std::string& path) {
   if (!fs::exists(path)) throw UserError("does not exist", path, "check the path");
   register_formats();
+  const QuietLibraries quiet;
   try {
     return read_component_file(path);
   } catch (const itk::ExceptionObject& error) {

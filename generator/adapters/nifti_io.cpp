@@ -61,9 +61,10 @@ std::vector<std::byte> read_voxel_bytes(const nifti_image& image, const std::str
     complete = gzread(file.get(), &bytes[done], wanted) == static_cast<int>(wanted);
     done += wanted;
   }
-  // Only past the last byte is the checksum compared.
-  if (std::byte beyond{}; !complete || gzread(file.get(), &beyond, 1) < 0)
-    throw UserError("is truncated or damaged", path, "copy or download it again");
+  // Only past the last byte is the checksum compared; a lack of it is no error of reading.
+  int state = Z_OK;
+  if (std::byte beyond{}; complete && gzread(file.get(), &beyond, 1) <= 0) gzerror(file.get(), &state);
+  if (!complete || state != Z_OK) throw UserError("is truncated or damaged", path, "copy or download it again");
   if (image.swapsize > 1 && image.byteorder != nifti_short_order())
     nifti_swap_Nbytes(bytes.size() / static_cast<std::size_t>(image.swapsize), image.swapsize, bytes.data());
   return bytes;

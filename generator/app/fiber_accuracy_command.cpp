@@ -279,6 +279,7 @@ TetMesh mesh_of(const FiberCase& patient, double edge_mm, bool say) {
 }
 
 void check_command(const FiberAccuracyCommand& command) {
+  std::ranges::for_each(command.cases, check_fiber_case);
   check_methods(command.methods);
   check_frames(command);
   const auto in_range = [](double mm) { return mm >= 0.5 && mm <= 3; };

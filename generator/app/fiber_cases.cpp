@@ -97,10 +97,16 @@ void cut_labels(FiberCase& heart, double below_mm, double tilt_deg) {
   heart.landmarks = {};
 }
 
-int variant_of(std::string_view digits, const std::string& name) {
+constexpr std::string_view uneven = "uneven";
+
+// Of the phantom that a case is made from.
+int variant_of(const std::string& name) {
   int variant = 1;
+  if (name == "thick" || name == "dilated" || name == "cut" || name == "tilted" || name == uneven) return variant;
+  std::string_view digits = name;
+  if (digits.starts_with(uneven)) digits.remove_prefix(uneven.size());
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), variant);
-  if (error != std::errc{} || end != digits.data() + digits.size())
+  if (error != std::errc{} || end != digits.data() + digits.size() || variant < 0)
     throw UserError(fmt::format("\"{}\" is no phantom", name), "--cases",
                     "give variants and the words thick, dilated, cut, tilted, uneven (uneven3: of variant 3)");
   return variant;
@@ -127,24 +133,22 @@ LabelVolume uneven_labels(const datasets::HeartModel& model, const Landmarks& ma
 
 FiberCase make_fiber_case(const std::string& name, const Vec3& spacing_mm) {
   constexpr double flat_cut_mm = 6;  // below the valves' plates
-  constexpr std::string_view uneven = "uneven";
   FiberCase heart;
   heart.name = name;
   datasets::HeartOverrides overrides;
   if (name == "thick") overrides.lv_wall_mm = 14;
   if (name == "dilated") overrides.lv_wall_mm = 7;
-  const bool word = name == "thick" || name == "dilated" || name == "cut" || name == "tilted" || name == uneven;
-  const bool is_uneven = name.starts_with(uneven);
-  const int variant =
-      word ? 1 : variant_of(std::string_view(name).substr(is_uneven ? uneven.size() : std::size_t{0}), name);
+  const int variant = variant_of(name);
   heart.model = datasets::make_heart_model(variant, overrides);
   heart.landmarks = datasets::landmarks_of(heart.model);
-  heart.labels = is_uneven
+  heart.labels = name.starts_with(uneven)
                      ? uneven_labels(heart.model, heart.landmarks, spacing_mm, static_cast<std::uint64_t>(variant))
                      : exact_labels(heart.model, heart.landmarks, spacing_mm);
   if (name == "cut") cut_labels(heart, 12, 0);
   if (name == "tilted") cut_labels(heart, flat_cut_mm, 15);
   return heart;
 }
+
+void check_fiber_case(const std::string& name) { variant_of(name); }
 
 }  // namespace heart::app

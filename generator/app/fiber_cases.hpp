@@ -29,4 +29,7 @@ LabelVolume uneven_labels(const datasets::HeartModel& model, const Landmarks& ma
 /// ("uneven3"). Throws UserError for other names.
 FiberCase make_fiber_case(const std::string& name, const Vec3& spacing_mm);
 
+/// Throws UserError for a name that make_fiber_case does not take.
+void check_fiber_case(const std::string& name);
+
 }  // namespace heart::app

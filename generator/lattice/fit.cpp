@@ -343,13 +343,15 @@ std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, const Ef
 std::vector<SurfaceFace> suspects(Fitting& fitting, std::vector<Face> before) {
   std::sort(before.begin(), before.end());
   sort_unique(fitting.changed);
-  auto faces = fitting.faces;
-  std::erase_if(faces, [&](const SurfaceFace& face) {
-    return std::none_of(face.nodes.begin(), face.nodes.end(),
-                        [&](std::int32_t n) { return std::ranges::binary_search(fitting.changed, n); }) &&
-           !std::binary_search(before.begin(), before.end(), sorted(face.nodes));
-  });
-  return faces;
+  const auto is_suspect = [&](const SurfaceFace& face) {
+    return std::ranges::any_of(face.nodes, [&](auto n) { return std::ranges::binary_search(fitting.changed, n); }) ||
+           std::ranges::binary_search(before, sorted(face.nodes));
+  };
+  const auto& faces = fitting.faces;
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<SurfaceFace>& found) {
+    std::copy_if(faces.begin() + begin, faces.begin() + end, std::back_inserter(found), is_suspect);
+  };
+  return parallel::gather<SurfaceFace>(0, std::ssize(faces), find);
 }
 
 }  // namespace

@@ -205,11 +205,13 @@ std::vector<std::int32_t> nodes_of(const std::vector<Face>& faces, const std::ve
 }
 
 std::vector<Face> faces_at(const std::vector<Face>& faces, const std::vector<std::int32_t>& nodes) {
-  std::vector<Face> found;
-  std::copy_if(faces.begin(), faces.end(), std::back_inserter(found), [&](const Face& face) {
-    return std::any_of(face.begin(), face.end(), [&](auto n) { return std::ranges::binary_search(nodes, n); });
-  });
-  return found;
+  const auto is_at_node = [&](const Face& face) {
+    return std::ranges::any_of(face, [&](auto n) { return std::ranges::binary_search(nodes, n); });
+  };
+  const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& found) {
+    std::copy_if(faces.begin() + begin, faces.begin() + end, std::back_inserter(found), is_at_node);
+  };
+  return parallel::gather<Face>(0, std::ssize(faces), find);
 }
 
 // The mean direction out of the mesh at each node, of all outer faces there.

@@ -66,8 +66,10 @@ TEST(FiberCases, FibersAreMeasuredAsABuildCarriesThem) {
 }
 
 TEST(FiberCases, OtherNamesAreRefused) {
-  for (const char* name : {"", "waved", "unevenly", "uneven-1x", "3x"})
+  for (const char* name : {"", "waved", "unevenly", "uneven-1x", "3x", "-1"}) {
     EXPECT_THROW(app::make_fiber_case(name, coarse_mm), UserError) << name;
+    EXPECT_THROW(app::check_fiber_case(name), UserError) << name;
+  }
 }
 
 }  // namespace

@@ -71,6 +71,10 @@ enum class HelixField {
 /// have no helix.
 Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm, HelixField field = HelixField::uniform);
 
+/// What fiber_at takes the muscle at a point for: lv_myocardium, rv_myocardium, papillary, or none where it has no
+/// fibre.
+Region muscle_of_fiber_at(const HeartModel& model, const Vec3& lps_mm);
+
 /// Unit vector of the left ventricle's long axis from apex to base.
 Vec3 long_axis(const HeartModel& model);
 

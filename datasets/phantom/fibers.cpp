@@ -90,6 +90,21 @@ double depth_at(const HeartModel& model, const Vec3& lps_mm) {
   return std::clamp(raw_depth(heart, wall, lps_mm), 0.0, 1.0);
 }
 
+Region muscle_of_fiber_at(const HeartModel& model, const Vec3& lps_mm) {
+  const auto& heart = model.anatomy->heart;
+  switch (wall_at(heart, heart_field(heart, lps_mm), lps_mm)) {
+    case Wall::left:
+      return Region::lv_myocardium;
+    case Wall::right:
+      return Region::rv_myocardium;
+    case Wall::papillary:
+      return Region::papillary;
+    case Wall::none:
+      break;
+  }
+  return Region::none;
+}
+
 Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm, HelixField helix_field) {
   const auto& heart = model.anatomy->heart;
   const HeartField field = heart_field(heart, lps_mm);

@@ -93,9 +93,13 @@ struct KnownAxes {
   std::vector<std::size_t> source;  ///< voxel, node or cell
 };
 
+bool is_ventricular(std::int32_t region) {
+  return region == tag(Region::lv_myocardium) || region == tag(Region::rv_myocardium);
+}
+
 void add_known(const FiberCase& patient, HelixField field, const Vec3& point_mm, std::int32_t region,
                std::size_t source, KnownAxes& known) {
-  if (region != tag(Region::lv_myocardium) && region != tag(Region::rv_myocardium)) return;
+  if (!is_ventricular(region)) return;
   const Vec3 axis = datasets::fiber_at(patient.model, point_mm, field);
   if (norm(axis) < 0.5) return;
   known.points_mm.push_back(point_mm);
@@ -121,10 +125,16 @@ KnownAxes known_at_cells(const FiberCase& patient, HelixField field, const TetMe
   return known;
 }
 
+/// Between the walls a node counts for the one whose fibre is the known one there: the mesh's and the phantom's idea of
+/// where they meet differ by less than a voxel, but their fibres by up to 90 degrees.
 KnownAxes known_at_nodes(const FiberCase& patient, HelixField field, const TetMesh& mesh,
                          const std::vector<std::int32_t>& region) {
   KnownAxes known;
-  for (std::size_t n = 0; n < region.size(); ++n) add_known(patient, field, mesh.nodes_mm[n], region[n], n, known);
+  for (std::size_t n = 0; n < region.size(); ++n) {
+    if (!is_ventricular(region[n])) continue;
+    const auto muscle = tag(datasets::muscle_of_fiber_at(patient.model, mesh.nodes_mm[n]));
+    add_known(patient, field, mesh.nodes_mm[n], is_ventricular(muscle) ? muscle : region[n], n, known);
+  }
   return known;
 }
 

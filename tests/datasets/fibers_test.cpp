@@ -23,7 +23,7 @@ TEST(Fibers, AreUnitVectorsInEveryMuscleVoxelButThoseOfTheFibrousPlates) {
   const auto model = make_heart_model(2);
   const auto labels = survey_heart(model, 3).regions;
   const Grid& grid = labels.grid;
-  int muscle = 0, fibrous = 0;
+  int muscle = 0, fibrous = 0, other = 0;
   for (std::int64_t k = 0; k < grid.size[2]; ++k)
     for (std::int64_t j = 0; j < grid.size[1]; ++j)
       for (std::int64_t i = 0; i < grid.size[0]; ++i) {
@@ -35,7 +35,11 @@ TEST(Fibers, AreUnitVectorsInEveryMuscleVoxelButThoseOfTheFibrousPlates) {
         fibrous += std::isnan(depth);
         EXPECT_NEAR(norm(fiber_at(model, p)), std::isnan(depth) ? 0 : 1, 1e-9);
         EXPECT_TRUE(std::isnan(depth) || (depth >= 0 && depth <= 1));
+        const Region taken_for = muscle_of_fiber_at(model, p);
+        EXPECT_EQ(taken_for == Region::none, std::isnan(depth));
+        other += !std::isnan(depth) && taken_for != region;
       }
+  EXPECT_LT(other, 0.01 * muscle);
   EXPECT_GT(muscle, 3000);
   EXPECT_LT(fibrous, 0.08 * muscle);
 }

@@ -4,6 +4,7 @@
 
 #include "generator/app/resolutions.hpp"
 #include "generator/mesh/domain.hpp"
+#include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/walls.hpp"
 #include "generator/parallel/tasks.hpp"
 #include "model/labels.hpp"
@@ -25,18 +26,18 @@ std::vector<std::string> whole_meshes(const std::map<std::string, TetMesh>& mesh
   return parts;
 }
 
-LabelVolume heart_only(LabelVolume labels) {
-  for (auto& voxel : labels.voxels)
-    if (!is_myocardium(static_cast<Region>(voxel)) && !is_blood(static_cast<Region>(voxel))) voxel = 0;
-  return labels;
+bool is_any(Region /*region*/) { return true; }
+
+/// The regions that a mesh holds, from its name in a bundle.
+using Holds = bool (*)(Region);
+Holds regions_of(const std::string& mesh_name) {
+  if (mesh_name == "torso") return is_any;
+  return mesh_name == "chambers" ? is_blood : is_myocardium;
 }
 
-/// Without the heart's other mesh, where there are two.
-LabelVolume only_regions(LabelVolume labels, const std::string& mesh_name) {
+LabelVolume only(LabelVolume labels, Holds holds) {
   for (auto& voxel : labels.voxels)
-    if ((mesh_name.starts_with("myocardium") && !is_myocardium(static_cast<Region>(voxel))) ||
-        (mesh_name == "chambers" && !is_blood(static_cast<Region>(voxel))))
-      voxel = 0;
+    if (!holds(static_cast<Region>(voxel))) voxel = 0;
   return labels;
 }
 
@@ -47,16 +48,20 @@ bool in_field_of_view(const Grid& grid, const Vec3& index) {
   return true;
 }
 
+/// `labels` is what the mesh was made of together with its neighbours; what it does not hold is outside of it.
 Report fidelity_rows(const std::string& mesh_name, const TetMesh& mesh, const std::vector<validation::MeshFace>& faces,
-                     const LabelVolume& labels, const MeshSettings& mesh_settings, const ValidationSettings& bounds) {
+                     const LabelVolume& labels, Holds holds, const MeshSettings& mesh_settings,
+                     const ValidationSettings& bounds) {
   const auto domain = mesh::make_domain(labels, mesh_settings);
-  const auto label_at = [&domain](const Vec3& lps_mm) -> int {
+  const auto label_at = [&domain, holds](const Vec3& lps_mm) -> int {
     const Vec3 index = index_from_lps(domain.grid, lps_mm);
-    return in_field_of_view(domain.grid, index) ? mesh::region_at(domain, index) : 0;
+    if (!in_field_of_view(domain.grid, index)) return 0;
+    const int region = mesh::region_at(domain, index);
+    return holds(static_cast<Region>(region)) ? region : 0;
   };
-  auto rows =
-      validation::check_against_labels(mesh_name, mesh, faces, only_regions(labels, mesh_name), label_at, bounds);
-  append(rows, validation::check_curves(mesh_name, mesh, faces, labels, label_at));
+  const auto own = only(labels, holds);
+  auto rows = validation::check_against_labels(mesh_name, mesh, faces, own, label_at, bounds);
+  append(rows, validation::check_curves(mesh_name, mesh, faces, own, label_at));
   return rows;
 }
 
@@ -64,7 +69,7 @@ Report fidelity_rows(const std::string& mesh_name, const TetMesh& mesh, const st
 
 Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const LabelVolume& labels,
                       const MeshSettings& mesh_settings, const ValidationSettings& bounds) {
-  return fidelity_rows(mesh_name, mesh, validation::mesh_faces(mesh), labels, mesh_settings, bounds);
+  return fidelity_rows(mesh_name, mesh, validation::mesh_faces(mesh), labels, is_any, mesh_settings, bounds);
 }
 
 Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const mesh::WallLevelSets& walls,
@@ -87,8 +92,8 @@ ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const
   if (labels.voxels.empty()) return parts;
   const auto add_fidelity = [&](const std::string& mesh_name, bool whole_map) {
     const auto rows = [&meshes, &faces, &labels, &mesh_settings, bounds, name = mesh_name, whole_map] {
-      return fidelity_rows(name, meshes.at(name), faces.at(name), whole_map ? labels : heart_only(labels),
-                           mesh_settings, bounds);
+      return fidelity_rows(name, meshes.at(name), faces.at(name), whole_map ? labels : mesh::heart_only(labels),
+                           regions_of(name), mesh_settings, bounds);
     };
     parts.push_back({rows, true});
   };

@@ -1,9 +1,12 @@
 #include "validation/fiber_checks.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "model/mesh_edges.hpp"
 #include "validation/heart_frame.hpp"
@@ -304,6 +307,22 @@ Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figure
   add_atlas_rows("rv_myocardium", figures.atlas_rv, figures.there_rv, figures.carried_rv, report);
   add_rule_rows(myocardium, report);
   return report;
+}
+
+std::string remark_on_jumps(const Report& rows) {
+  const auto value_of = [&](std::string_view scope, std::string_view metric) {
+    for (const auto& r : rows)
+      if (r.group == "fibers" && r.scope == scope && r.metric == metric) return r.value;
+    return std::numeric_limits<double>::quiet_NaN();
+  };
+  const double jump_deg = value_of("ventricles", "neighbour_jump_p99");
+  const double atlas_deg = value_of("atlas", "neighbour_jump_p99");
+  if (!(jump_deg > atlas_deg)) return {};
+  return fmt::format(
+      "Fibres of neighbouring nodes differ by up to {:.0f} degrees (99th percentile), those of the atlas by {:.0f}: "
+      "edges of {:.1f} mm are too long for how fast they turn through thin walls. wall_layers = 3 in [mesh], or a "
+      "shorter heart_edge_mm, resolves it.",
+      jump_deg, atlas_deg, value_of("ventricles", "edge_p50"));
 }
 
 }  // namespace heart::validation

@@ -2,6 +2,7 @@
 // it on any bundle), plus the figures of the registration where they are known.
 #pragma once
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "model/depth_samples.hpp"
@@ -49,5 +50,9 @@ HelixProfile helix_profile(const DepthSamples& samples, int bins = 10);
 
 /// Rows of group "fibers". `myocardium` carries node_fibers, cell_fibers and fiber_source.
 Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figures, const ValidationSettings& settings);
+
+/// What a reader of these rows should know where neighbours differ by more than the atlas's: the mesh does not resolve
+/// how fibres turn through its walls. Empty otherwise, and where nothing of the atlas is known.
+std::string remark_on_jumps(const Report& rows);
 
 }  // namespace heart::validation

@@ -197,7 +197,7 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   bundle.labels = labels;
   bundle.inputs = std::move(inputs);
   bundle.tools = tool_versions();
-  const auto lines = all_remarks(recipe, std::move(remarks), meshes, fibers);
+  auto lines = all_remarks(recipe, std::move(remarks), meshes, fibers);
   bundle.meshes = std::move(meshes);
   bundle.meshes["myocardium"] = with_fibers(std::move(bundle.meshes["myocardium"]), fibers);
   bundle.meshes.insert(further.meshes.begin(), further.meshes.end());
@@ -206,6 +206,7 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   const Report distances = resolution_distances(further);
   bundle.metrics.insert(bundle.metrics.end(), distances.begin(), distances.end());
   bundle.metrics.insert(bundle.metrics.end(), pose.begin(), pose.end());
+  if (auto remark = validation::remark_on_jumps(bundle.metrics); !remark.empty()) lines.push_back(std::move(remark));
   auto input = report_input(recipe, bundle, ct, lines);
   input.faces = &faces;
   input.atlas_lv = validation::helix_profile(fibers.figures.atlas.lv);

@@ -198,6 +198,17 @@ TEST(CheckFibers, JumpsStandBesideTheAtlassOwnWithTheLengthsOfBothMeshesEdges) {
   for (const auto& row : check_fibers(pipe(), {}, {})) EXPECT_NE(row.scope, "atlas") << row.metric;
 }
 
+TEST(CheckFibers, AMeshTooCoarseForItsFibersIsToldWithARemedy) {
+  RegistrationFigures figures;
+  const double own_deg = find(check_fibers(pipe(), {}, {}), "ventricles", "neighbour_jump_p99").value;
+  figures.atlas_edge_p50_mm = 2.5;
+  figures.atlas_jump_p99_deg = own_deg + 1;
+  EXPECT_EQ(remark_on_jumps(check_fibers(pipe(), figures, {})), "");
+  figures.atlas_jump_p99_deg = own_deg - 1;
+  EXPECT_NE(remark_on_jumps(check_fibers(pipe(), figures, {})).find("edges of 6.0 mm"), std::string::npos);
+  EXPECT_EQ(remark_on_jumps(check_fibers(pipe(), {}, {})), "");
+}
+
 TEST(CheckFibers, HelixNearTheSurfacesIsComparedWithTheAtlas) {
   RegistrationFigures figures;
   for (int n = 0; n <= 200; ++n) {

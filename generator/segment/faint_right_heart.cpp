@@ -19,7 +19,7 @@ namespace heart::segment {
 namespace {
 
 constexpr double working_spacing_mm = 1;  // walls of 2 mm are two voxels; finer would not see more through the noise
-constexpr double antialias_per_mm = 0.35;
+constexpr double antialias_per_mm = 0.7;
 constexpr double smoothing_mm = 1;        // for what is brighter than muscle beyond doubt
 constexpr double seed_tolerance_mm = 12;  // to the cavity that usual walls leave
 constexpr double elsewhere_mm = 9;        // deeper tissue at the border of the image is no vessel, but liver or chest

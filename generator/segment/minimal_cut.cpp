@@ -63,9 +63,9 @@ Problem make_problem(const Slab<float>& h, const Slab<std::uint8_t>& state) {
   return {h, state, weights, free, link_runs(free, state), primal_steps(h, state, weights)};
 }
 
-/// 1 inside, 0 outside, 1/2 between.
+/// 1 inside, 0 outside, 1/2 between. Its ghost slice is for the energy.
 Slab<float> initial_field(const Slab<std::uint8_t>& state) {
-  auto u = parallel::make_slab_like<float>(state, 0);
+  auto u = parallel::make_slab_like<float>(state, 1);
   const auto from = state.owned();
   const auto to = u.owned();
   for (std::size_t i = 0; i < from.size(); ++i) to[i] = from[i] == cut_outer ? 0.0f : from[i] == cut_free ? 0.5f : 1.0f;
@@ -89,19 +89,15 @@ struct Energies {
   double gap() const { return primal > 0 ? std::max(primal - dual, 0.0) / primal : 0; }
 };
 
-/// Σ h |w ∇u| of the present u. `bar` lends its ghost slices to u meanwhile.
+/// Σ h |w ∇u| of the present u.
 double primal_energy(PrimalDualFields& fields, const Problem& p, const Comm& comm) {
-  auto keep = fields.bar.values;
-  std::ranges::copy(fields.u.owned(), fields.bar.owned().begin());
-  parallel::exchange_halo(fields.bar, comm);
-  const double energy = parallel::sum_rows(fields.u, comm, [&](std::int64_t j, std::int64_t k) {
+  parallel::exchange_halo(fields.u, comm);
+  return parallel::sum_rows(fields.u, comm, [&](std::int64_t j, std::int64_t k) {
     double sum = 0;
     for (const Run& run : p.links.at(j, k))
-      sum += gradient_row_sum(dual_row_of(fields, j, k, run), p.weights, p.h.row(j, k));
+      sum += gradient_row_sum(gradient_row_of(fields.u, j, k, run), p.weights, p.h.row(j, k));
     return sum;
   });
-  fields.bar.values = std::move(keep);
-  return energy;
 }
 
 /// The least <p, ∇u> over all admissible u: a lower bound of the minimum, because |p| <= h.

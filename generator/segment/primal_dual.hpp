@@ -16,7 +16,7 @@
 namespace heart::segment {
 
 struct PrimalDualFields {
-  parallel::Slab<float> u;           ///< no ghosts
+  parallel::Slab<float> u;
   parallel::Slab<float> bar;         ///< extrapolated u, one ghost slice
   parallel::Slab<float> px, py, pz;  ///< dual field, one ghost slice, zero at the start
 };
@@ -56,18 +56,27 @@ inline double gradient_bound(const AxisWeights& w) {
   return std::max(2 * std::sqrt(double{w.x} * w.x + double{w.y} * w.y + double{w.z} * w.z), 1e-6);
 }
 
-inline DualRow dual_row_of(PrimalDualFields& f, std::int64_t j, std::int64_t k, const Run& run) {
-  const auto& size = f.bar.grid.size;
-  const float* bar = f.bar.row(j, k);
-  return {bar,
-          j + 1 < size[1] ? f.bar.row(j + 1, k) : bar,
-          k + 1 < size[2] ? f.bar.row(j, k + 1) : bar,
-          f.px.row(j, k),
-          f.py.row(j, k),
-          f.pz.row(j, k),
+/// A row of `field` and its neighbours ahead, without a dual field. The ghost slice above must be filled.
+inline DualRow gradient_row_of(const parallel::Slab<float>& field, std::int64_t j, std::int64_t k, const Run& run) {
+  const auto& size = field.grid.size;
+  const float* here = field.row(j, k);
+  return {here,
+          j + 1 < size[1] ? field.row(j + 1, k) : here,
+          k + 1 < size[2] ? field.row(j, k + 1) : here,
+          nullptr,
+          nullptr,
+          nullptr,
           run.begin,
           run.end,
           size[0]};
+}
+
+inline DualRow dual_row_of(PrimalDualFields& f, std::int64_t j, std::int64_t k, const Run& run) {
+  auto row = gradient_row_of(f.bar, j, k, run);
+  row.px = f.px.row(j, k);
+  row.py = f.py.row(j, k);
+  row.pz = f.pz.row(j, k);
+  return row;
 }
 
 inline PrimalRow primal_row_of(PrimalDualFields& f, std::int64_t j, std::int64_t k, const Run& run) {

@@ -73,17 +73,7 @@ double total_variation(const Slab<float>& image, const Comm& comm) {
   const auto& size = image.grid.size;
   const AxisWeights weights = axis_weights(image.grid);
   const double sum = parallel::sum_rows(image, comm, [&](std::int64_t j, std::int64_t k) {
-    const float* here = image.row(j, k);
-    const DualRow row{here,
-                      j + 1 < size[1] ? image.row(j + 1, k) : here,
-                      k + 1 < size[2] ? image.row(j, k + 1) : here,
-                      nullptr,
-                      nullptr,
-                      nullptr,
-                      0,
-                      size[0],
-                      size[0]};
-    return gradient_row_sum(row, weights, nullptr);
+    return gradient_row_sum(gradient_row_of(image, j, k, {0, size[0]}), weights, nullptr);
   });
   const double element =
       size[2] > 1 ? image.grid.voxel_volume_mm3() : image.grid.spacing_mm.x * image.grid.spacing_mm.y;

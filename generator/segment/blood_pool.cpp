@@ -38,19 +38,31 @@ Mask above(const Volume<float>& image, double threshold) {
   return result;
 }
 
-/// Median grey value of the soft tissue 3 to 7 mm outside the left ventricle's blood near its seed.
-double muscle_shell_hu(const Volume<float>& image, const Vec3& lv_seed_mm, double soft_hu, double lv_hu) {
+/// Median grey value of the soft tissue 3 to 7 mm outside the left ventricle's blood near its seed, on the side away
+/// from the right heart, whose blood may be as dark as to be taken for muscle; on all sides where too little is left.
+double muscle_shell_hu(const Volume<float>& image, const Landmarks& landmarks, double soft_hu, double lv_hu) {
   constexpr double reach_mm = 45;
-  const Volume<float> part = crop(image, box_around(image.grid, lv_seed_mm, reach_mm));
+  constexpr std::size_t least_voxels = 100;
+  const auto& seeds = landmarks.seeds_mm;
+  const Vec3& lv = seeds.at("lv_blood");
+  const Vec3 to_right = 0.5 * (seeds.at("rv_blood") + seeds.at("ra_blood")) - lv;
+  const Volume<float> part = crop(image, box_around(image.grid, lv, reach_mm));
   const double threshold = (soft_hu + lv_hu) / 2;
   const auto distance = distance_to(above(part, threshold));
-  std::vector<float> values;
-  for (std::size_t v = 0; v < part.voxels.size(); ++v) {
-    const bool shell = distance.voxels[v] > 3 && distance.voxels[v] < 7;
-    if (shell && part.voxels[v] > 0 && static_cast<double>(part.voxels[v]) < threshold)
-      values.push_back(part.voxels[v]);
-  }
-  if (values.size() < 100) return soft_hu;
+  std::vector<float> away, all;
+  const auto add = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const float grey = part(i, j, k), distance_mm = distance(i, j, k);
+    if (!(distance_mm > 3 && distance_mm < 7 && grey > 0 && static_cast<double>(grey) < threshold)) return;
+    const Vec3 index{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+    all.push_back(grey);
+    if (dot(lps_from_index(part.grid, index) - lv, to_right) < 0) away.push_back(grey);
+  };
+  const auto& size = part.grid.size;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i) add(i, j, k);
+  auto& values = away.size() < least_voxels ? all : away;
+  if (values.size() < least_voxels) return soft_hu;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return std::min(static_cast<double>(*middle), threshold);
@@ -135,9 +147,8 @@ SeedGreys seed_greys(const CtVolume& ct, const Landmarks& landmarks, double musc
 
 BloodPool find_blood(const CtVolume& ct, const Landmarks& landmarks, double soft_hu) {
   const Volume<float> image = gaussian(as_float(ct), smoothing_mm);
-  const Vec3& lv_seed = landmarks.seeds_mm.at("lv_blood");
-  const double lv_hu = median_around(ct, lv_seed, seed_ball_mm, soft_hu);
-  const double muscle = muscle_shell_hu(image, lv_seed, std::min(soft_hu, lv_hu), lv_hu);
+  const double lv_hu = median_around(ct, landmarks.seeds_mm.at("lv_blood"), seed_ball_mm, soft_hu);
+  const double muscle = muscle_shell_hu(image, landmarks, std::min(soft_hu, lv_hu), lv_hu);
   const SeedGreys grey = seed_greys(ct, landmarks, muscle);
 
   BloodPool result{Mask(ct.grid), gaussian(image, core_smoothing_mm), muscle, grey.left};

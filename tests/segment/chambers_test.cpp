@@ -40,6 +40,14 @@ TEST(Chambers, AWeaklyEnhancedRightHeartIsFoundToo) {
     EXPECT_GT(dice(labels, heart.truth, region), 0.93) << region_name(tag(region));
 }
 
+/// A late phase: contrast is low everywhere, and the right heart nearly as bright as the left one.
+TEST(Chambers, LowContrastOnBothSidesIsNoFaintRightHeart) {
+  const ToyHeart heart = toy_heart({.left_hu = 240, .right_hu = 185, .noise_hu = 8});
+  const auto labels = chambers_of(heart);
+  for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood})
+    EXPECT_GT(dice(labels, heart.truth, region), 0.93) << region_name(tag(region));
+}
+
 /// Right blood brighter than muscle (110 HU), darker, and as bright: its walls have usual thickness, as the toy's do.
 class FaintRightHeart : public ::testing::TestWithParam<double> {};
 

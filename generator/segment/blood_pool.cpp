@@ -107,17 +107,6 @@ double noise_hu(const Volume<float>& image, const Volume<float>& smooth, const M
   return 1.48 * static_cast<double>(*middle);
 }
 
-/// Blood is what is brighter than half-way between muscle and the nearest deep blood.
-void cut_halfway(const Volume<float>& image, const Mask& core, double noise, BloodPool& pool) {
-  const LabelVolume local = local_blood_byte(image, core, pool.blood_hu);
-  for (std::size_t v = 0; v < image.voxels.size(); ++v) {
-    const double blood_hu = local.voxels[v] ? local.voxels[v] * grey_step_hu : pool.blood_hu;
-    const double contrast = std::max(blood_hu - pool.muscle_hu, least_contrast_hu);
-    const float value = contrast > clear_contrast * noise ? image.voxels[v] : pool.smooth.voxels[v];
-    pool.blood.voxels[v] = static_cast<double>(value) > pool.muscle_hu + threshold_fraction * contrast;
-  }
-}
-
 struct SeedGreys {
   double left = 0;     ///< the dimmer of the left ventricle and atrium
   double right = 0;    ///< the dimmer of the right ones
@@ -164,13 +153,16 @@ BloodPool find_blood(const CtVolume& ct, const Landmarks& landmarks, double soft
   const SeedGreys grey = seed_greys(ct, landmarks, muscle);
 
   BloodPool result{Mask(ct.grid), gaussian(image, core_smoothing_mm), muscle, grey.left};
-  result.blood = above(result.smooth, muscle + core_fraction * (std::min(grey.left, grey.right) - muscle));
-  Mask core = erode(result.blood, core_depth_mm);
+  const Mask bright = above(result.smooth, muscle + core_fraction * (std::min(grey.left, grey.right) - muscle));
+  const Mask core = erode(bright, core_depth_mm);
+  const LabelVolume local = local_blood_byte(image, core, grey.left);
   const double noise = noise_hu(image, result.smooth, core);
-  cut_halfway(image, core, noise, result);
-  // Once more: what the first cut has for blood ends at its edge, and its depths hold no partial volumes.
-  core = erode(result.blood, core_depth_mm);
-  cut_halfway(image, core, noise, result);
+  for (std::size_t v = 0; v < image.voxels.size(); ++v) {
+    const double blood_hu = local.voxels[v] ? local.voxels[v] * grey_step_hu : grey.left;
+    const double contrast = std::max(blood_hu - muscle, least_contrast_hu);
+    const float value = contrast > clear_contrast * noise ? image.voxels[v] : result.smooth.voxels[v];
+    result.blood.voxels[v] = static_cast<double>(value) > muscle + threshold_fraction * contrast;
+  }
   result.muscles = Mask(ct.grid);
   if (grey.faint) {
     RightHeartBlood faint = faint_right_heart(ct, landmarks, muscle, grey.left);

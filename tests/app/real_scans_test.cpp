@@ -1,0 +1,51 @@
+// Real scans without a landmark: every chamber is found and is as large as hearts have them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "generator/adapters/itk_io.hpp"
+#include "generator/app/image_stages.hpp"
+#include "support/data.hpp"
+
+namespace heart::app {
+namespace {
+
+struct Usual {
+  Region region;
+  double least_ml, most_ml;
+};
+constexpr Usual usual[] = {
+    {Region::lv_blood, 40, 250}, {Region::rv_blood, 40, 250},     {Region::la_blood, 30, 200},
+    {Region::ra_blood, 25, 200}, {Region::aorta, 10, 60},         {Region::pulmonary_artery, 10, 60},
+    {Region::la_wall, 5, 60},    {Region::ra_wall, 5, 60},        {Region::rv_myocardium, 15, 80},
+    {Region::papillary, 1, 20},  {Region::lv_myocardium, 40, 250}};
+
+double volume_ml(const LabelVolume& labels, Region region) {
+  const auto voxels = std::count(labels.voxels.begin(), labels.voxels.end(), tag(region));
+  return static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / 1000;
+}
+
+class RealScans : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RealScans, HaveAllChambersWithoutALandmark) {
+  const std::string file = testing::real_data(GetParam());
+  if (file.empty()) GTEST_SKIP() << GetParam() << " is not on this machine";
+  heart::app::Run run;
+  run.comm = parallel::self();
+  const Staged<CtVolume> ct{adapters::read_ct(file), ""};
+  Recipe recipe;
+  recipe.segmentation = default_segmentation();
+  std::vector<std::string> remarks;
+  recipe.landmarks = complete_landmarks(run, ct, {}, remarks).landmarks;
+  const auto labels = label_ct(run, ct, recipe);
+  for (const auto& [region, least_ml, most_ml] : usual) {
+    EXPECT_GT(volume_ml(*labels, region), least_ml) << region_name(tag(region));
+    EXPECT_LT(volume_ml(*labels, region), most_ml) << region_name(tag(region));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, RealScans,
+                         ::testing::Values("cardiac-cta-1.5mm/ct.nii.gz", "chest-ct-lidc-0001/ct.nii.gz"));
+
+}  // namespace
+}  // namespace heart::app

@@ -41,12 +41,15 @@ struct Artery {
 constexpr std::array<Artery, 2> arteries = {{{Region::aorta, "aortic"}, {Region::pulmonary_artery, "pulmonary"}}};
 
 /// A first guess of the muscle's grey value: the brightest class of the tree that is clearly darker than blood. How
-/// many splits it takes to part muscle and blood depends on the image; the classes' grey values do not.
+/// many splits it takes to part muscle and blood depends on the image; the classes' grey values do not. Beside blood of
+/// low contrast, as in late scans, muscle is more than half as bright.
 double soft_tissue_hu(const SegmentationTree& tree, double blood_hu) {
+  constexpr double enhanced_hu = 150, least_difference_hu = 40;
+  const double brightest = std::max(blood_hu / 2, std::min(blood_hu - least_difference_hu, enhanced_hu));
   double soft = 0;
   for (const auto& step : tree)
     for (const double grey : {step.c_below, step.c_above})
-      if (grey < blood_hu / 2) soft = std::max(soft, grey);
+      if (grey < brightest) soft = std::max(soft, grey);
   return soft;
 }
 

@@ -16,7 +16,8 @@ struct Contrast {
 double bright_threshold(const Volume<float>& coarse);
 
 /// `chest` is where the heart may be, on the image's grid; what lies behind the front of the spine does not count.
-/// Throws UserError for an image without contrast.
+/// Where too little is brighter than `bright_hu`, a lower threshold is taken, and given back. Throws UserError for an
+/// image without contrast.
 Contrast measure_contrast(const WorkingImage& image, const Mask& chest, const Spine& spine, double bright_hu);
 
 }  // namespace heart::landmarks

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numbers>
 
 #include "generator/landmarks/anatomy_check.hpp"
@@ -200,6 +201,35 @@ SearchResult search_in(const Subject& subject) {
   return search_in(subject, set_scene(subject, spine));
 }
 
+/// Midway between enhanced muscle and the left heart's blood.
+double midway_hu(const Subject& subject) {
+  constexpr double enhanced_muscle_hu = 110;
+  return 0.5 * (enhanced_muscle_hu + set_scene(subject, subject.thorax.spine).contrast.blood_hu);
+}
+
+/// The whole image's threshold is low where its bone or contrast is: muscle then joins the chambers, and something else
+/// is taken for the left ventricle. What does not look like a heart is therefore searched for again, with a threshold
+/// between muscle and blood, and the more plausible result counts.
+SearchResult search_twice(Subject& subject) {
+  constexpr double plausible = 0.4;  // a right heart as grey as muscle and a valve hidden in noise leave .42
+  SearchResult first;
+  std::exception_ptr refused;
+  try {
+    first = search_in(subject);
+    if (first.found.confidence >= plausible) return first;
+  } catch (const NotAHeart&) {
+    refused = std::current_exception();
+  }
+  subject.bright_hu = midway_hu(subject);
+  try {
+    SearchResult second = search_in(subject);
+    if (refused || second.found.confidence > first.found.confidence) return second;
+  } catch (const UserError&) {  // the first result, or its refusal, tells more
+  }
+  if (refused) std::rethrow_exception(refused);
+  return first;
+}
+
 Subject make_subject(const CtVolume& ct) {
   segment::require_hounsfield(ct);
   Subject subject;
@@ -230,7 +260,7 @@ SearchResult search(const CtVolume& ct) {
     Subject subject = make_subject(ct);
     subject.slanted = slanted;
     back_is_cut = subject.thorax.back_is_cut;
-    auto result = search_in(subject);
+    auto result = search_twice(subject);
     auto& warnings = result.found.warnings;
     if (slanted && !warnings.empty())
       warnings.insert(warnings.begin(), slant_remark(slant) + ": is that true of the patient?");

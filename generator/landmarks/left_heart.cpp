@@ -110,6 +110,14 @@ std::vector<std::int32_t> neighbours_of_ventricle(const Basins& basins, const Po
   return result;
 }
 
+/// A ventricle has two ways out, an apex behind large papillary muscles but one, into the ventricle's base. Atria and
+/// vessels have less muscle around them than a base has.
+bool is_apex_alone(const Pools& pools, const std::vector<std::int32_t>& neighbours) {
+  constexpr double least_muscle_share = 0.35;
+  return neighbours.size() == 1 && may_be_ventricle(pools.at(neighbours.front())) &&
+         pools.at(neighbours.front()).muscle_share > least_muscle_share;
+}
+
 /// The aorta reaches higher than the atrium, leaves the ventricle farther in front and lies farther in front.
 double aorta_vote(const Basins& basins, const Pools& pools, std::int32_t label, const Spine& spine,
                   const std::vector<std::int32_t>& ventricle) {
@@ -143,13 +151,18 @@ std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pool
   LeftHeart heart;
   heart.ventricle = {candidates.front()};
   grow_ventricle(basins, pools, heart.ventricle);
+  auto neighbours = neighbours_of_ventricle(basins, pools, heart.ventricle);
+  if (is_apex_alone(pools, neighbours)) {
+    heart.ventricle.push_back(neighbours.front());
+    grow_ventricle(basins, pools, heart.ventricle);
+    neighbours = neighbours_of_ventricle(basins, pools, heart.ventricle);
+  }
+  if (neighbours.size() < 2) return std::nullopt;
   heart.certainty = 1;
   for (const auto other : candidates)
     if (!contains(heart.ventricle, other))
       heart.certainty = std::min(
           heart.certainty, 1 - ventricle_score(pools.at(other)) / ventricle_score(pools.at(heart.ventricle.front())));
-  const auto neighbours = neighbours_of_ventricle(basins, pools, heart.ventricle);
-  if (neighbours.size() < 2) return std::nullopt;
   const auto vote = [&](std::int32_t label) { return aorta_vote(basins, pools, label, spine, heart.ventricle); };
   const bool first_is_aorta = vote(neighbours[0]) >= vote(neighbours[1]);
   heart.aorta = neighbours[first_is_aorta ? 0 : 1];

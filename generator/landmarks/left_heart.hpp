@@ -14,7 +14,8 @@ struct LeftHeart {
 };
 
 /// The ventricle is the basin in a shell of muscle, left of the spine; atrium and aorta are its two widest
-/// neighbours. Nothing where the ventricle has fewer than two. Throws UserError where no basin has a muscular shell.
+/// neighbours. Large papillary muscles can part its apex from its base: they are put together. Nothing where the
+/// ventricle has fewer than two. Throws UserError where no basin has a muscular shell.
 std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine);
 
 }  // namespace heart::landmarks

@@ -42,9 +42,8 @@ TEST(InpaintCommand, FillsTheGapsWithTheSameBytesOnAnyNumberOfRanks) {
   write_block(folder);
   const auto one = testing::heartgen("inpaint . filled --labels labels.nrrd --iterations 30", folder.string());
   ASSERT_EQ(one.exit_code, 0) << one.errors;
-  const auto many = testing::heartgen(
-      "inpaint . again --labels labels.nrrd --iterations 30", folder.string(),
-      "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 mpirun -n 3");
+  const auto many =
+      testing::heartgen("inpaint . again --labels labels.nrrd --iterations 30", folder.string(), testing::on_ranks(3));
   ASSERT_EQ(many.exit_code, 0) << many.errors;
   const auto read = [&](const char* to, const char* name) {
     return adapters::read_image((folder / to / name).string());

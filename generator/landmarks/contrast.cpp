@@ -11,8 +11,7 @@ namespace heart::landmarks {
 namespace {
 
 constexpr double unenhanced_hu = 120;       // blood without contrast (45), liver and muscle with it (up to 110)
-constexpr double default_bright_hu = 200;   // where three divisions stay below: little contrast in a large body
-constexpr double late_phase_hu = 130;       // between heart muscle and the least contrast that is looked for
+constexpr double late_phase_hu = 130;       // little contrast, or little of it in a large body: just above heart muscle
 constexpr double deep_mm = 4;               // deeper than ribs and small vessels reach
 constexpr double least_deep_blood_ml = 40;  // half of a small left ventricle
 constexpr double spine_reach_mm = 25;       // in front of the vertebral centre
@@ -27,10 +26,10 @@ double bright_threshold(const Volume<float>& coarse) {
   for (const double high : {0.98, 0.90}) {
     if (levels.threshold() > unenhanced_hu) return levels.threshold();
     std::erase_if(values, [&](float v) { return static_cast<double>(v) <= levels.threshold(); });
-    if (values.empty()) return default_bright_hu;
+    if (values.empty()) return late_phase_hu;
     levels = two_medians(values, 0.25, high);
   }
-  return levels.threshold() > unenhanced_hu ? levels.threshold() : default_bright_hu;
+  return levels.threshold() > unenhanced_hu ? levels.threshold() : late_phase_hu;
 }
 
 Contrast measure_contrast(const WorkingImage& image, const Mask& chest, const Spine& spine, double bright_hu) {

@@ -220,8 +220,8 @@ SearchResult search_twice(Subject& subject) {
   } catch (const NotAHeart&) {
     refused = std::current_exception();
   }
-  subject.bright_hu = midway_hu(subject);
   try {
+    subject.bright_hu = midway_hu(subject);
     SearchResult second = search_in(subject);
     if (refused || second.found.confidence > first.found.confidence) return second;
   } catch (const UserError&) {  // the first result, or its refusal, tells more

@@ -113,7 +113,7 @@ CtVolume thinned_contrast(CtVolume ct, double share) {
 
 TEST(FindLandmarks, FindsAHeartInALatePhase) {
   const auto& p = phantom(0);
-  const FoundLandmarks found = find_landmarks(thinned_contrast(p.ct, 0.25));  // left blood of 187 HU
+  const FoundLandmarks found = find_landmarks(thinned_contrast(p.ct, 0.25));  // left blood of 186 HU
   for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "aorta", "pulmonary_artery"}) {
     ASSERT_TRUE(found.landmarks.seeds_mm.contains(name)) << name;
     EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
@@ -360,10 +360,16 @@ void expect_near(const FoundLandmarks& found, const Expected& expected) {
   EXPECT_LT(norm(*found.landmarks.lv_apex_mm - expected.apex_mm), 5);
 }
 
+/// As the program searches: what was not measured is closed first.
+FoundLandmarks find_in_scan(CtVolume ct) {
+  segment::close_padding(ct, segment::find_padding(ct));
+  return find_landmarks(ct);
+}
+
 void expect_in_file(const Expected& expected) {
   const std::string file = testing::real_data(expected.file);
   if (file.empty()) GTEST_SKIP() << expected.file << " is not on this machine";
-  expect_near(find_landmarks(adapters::read_ct(file)), expected);
+  expect_near(find_in_scan(adapters::read_ct(file)), expected);
 }
 
 const Expected& cardiac_angiography() {
@@ -387,7 +393,7 @@ TEST(RealScans, CardiacAngiography) { expect_in_file(cardiac_angiography()); }
 TEST(RealScans, CardiacAngiographyInASmallFieldOfView) {
   const std::string file = testing::real_data(cardiac_angiography().file);
   if (file.empty()) GTEST_SKIP() << cardiac_angiography().file << " is not on this machine";
-  expect_near(find_landmarks(part_between(adapters::read_ct(file), {-68, -250, 581}, {96, -116, 708})),
+  expect_near(find_in_scan(part_between(adapters::read_ct(file), {-68, -250, 581}, {96, -116, 708})),
               cardiac_angiography());
 }
 
@@ -409,26 +415,26 @@ const Expected& ungated_chest_ct() {
 
 TEST(RealScans, UngatedChestCtWithStreaks) { expect_in_file(ungated_chest_ct()); }
 
-/// The whole image's threshold, low for its much soft tissue, lets muscle join the chambers.
+/// With less contrast the whole image's threshold lets muscle join the chambers.
 TEST(RealScans, UngatedChestCtWithLessContrast) {
   const std::string file = testing::real_data(ungated_chest_ct().file);
   if (file.empty()) GTEST_SKIP() << ungated_chest_ct().file << " is not on this machine";
   const CtVolume ct = adapters::read_ct(file);
   for (const double share : {0.7, 0.5}) {
-    const FoundLandmarks found = find_landmarks(thinned_contrast(ct, share));
+    const FoundLandmarks found = find_in_scan(thinned_contrast(ct, share));
     expect_near(found, ungated_chest_ct());
     EXPECT_GT(found.confidence, 0.7) << share;
   }
 }
 
-/// Other slices at the image's ends shift the grid that the search works on; the way between apex and base then falls
-/// below what joins them.
+/// Fewer slices shift the grid that the search works on; the base of the left ventricle, parted from its apex by
+/// papillary muscles, then has a little less muscle around it.
 TEST(RealScans, UngatedChestCtWithFewerSlices) {
   const std::string file = testing::real_data(ungated_chest_ct().file);
   if (file.empty()) GTEST_SKIP() << ungated_chest_ct().file << " is not on this machine";
   const CtVolume ct = adapters::read_ct(file);
-  Box box{{0, 0, ct.grid.size[2] / 10}, ct.grid.size};
-  const FoundLandmarks found = find_landmarks(crop(ct, box));
+  const Box box{{0, 0, ct.grid.size[2] / 10}, ct.grid.size};
+  const FoundLandmarks found = find_in_scan(crop(ct, box));
   expect_near(found, ungated_chest_ct());
   EXPECT_GT(found.confidence, 0.7);
 }

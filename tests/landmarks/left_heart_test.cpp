@@ -30,12 +30,12 @@ struct Heart {
   Pools pools;
 };
 
-/// A ventricle whose papillary muscles leave a way of `way_mm` between apex and base.
-Heart heart_with_parted_apex(double base_muscle_share, double way_mm) {
+/// A ventricle whose papillary muscles part the apex from the base.
+Heart heart_with_parted_apex(double base_muscle_share) {
   Heart heart;
   heart.basins.label.grid.size = {0, 0, 0};
   heart.basins.count = 4;
-  heart.basins.contacts = {{{atrium, base}, {11, 300}}, {{aorta, base}, {8, 200}}, {{base, apex}, {way_mm, 250}}};
+  heart.basins.contacts = {{{atrium, base}, {11, 300}}, {{aorta, base}, {8, 200}}, {{base, apex}, {9, 250}}};
   heart.pools = {{aorta, pool(95, {8, -20, 60}, 0.18)},
                  {atrium, pool(70, {20, 15, 20}, 0.22)},
                  {base, pool(32, {54, -2, 0}, base_muscle_share)},
@@ -45,7 +45,7 @@ Heart heart_with_parted_apex(double base_muscle_share, double way_mm) {
 
 TEST(LeftHeart, PapillaryMusclesDoNotPartTheApexFromTheBase) {
   for (const double muscle_share : {0.6, 0.45}) {
-    const Heart heart = heart_with_parted_apex(muscle_share, 9);
+    const Heart heart = heart_with_parted_apex(muscle_share);
     const auto left = find_left_heart(heart.basins, heart.pools, spine);
     ASSERT_TRUE(left.has_value()) << muscle_share;
     auto ventricle = left->ventricle;
@@ -58,7 +58,7 @@ TEST(LeftHeart, PapillaryMusclesDoNotPartTheApexFromTheBase) {
 }
 
 TEST(LeftHeart, AnAtriumIsNoBase) {
-  Heart heart = heart_with_parted_apex(0.25, 9);
+  const Heart heart = heart_with_parted_apex(0.25);
   EXPECT_FALSE(find_left_heart(heart.basins, heart.pools, spine).has_value());
 }
 

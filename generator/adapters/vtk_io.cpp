@@ -49,10 +49,10 @@ auto borrow(const char* name, const std::vector<float>& values) {
   return borrow_as<vtkFloatArray>(name, values.data(), values.size(), 1);
 }
 auto borrow(const char* name, const std::vector<Vec3>& values) {
-  return borrow_as<vtkDoubleArray>(name, &values.data()->x, values.size(), 3);
+  return borrow_as<vtkDoubleArray>(name, values.empty() ? nullptr : &values.front().x, values.size(), 3);
 }
 auto borrow(const char* name, const std::vector<Mat3>& values) {
-  return borrow_as<vtkDoubleArray>(name, &values.data()->rows[0].x, values.size(), 9);
+  return borrow_as<vtkDoubleArray>(name, values.empty() ? nullptr : &values.front().rows[0].x, values.size(), 9);
 }
 auto borrow(const char* name, const std::vector<std::int32_t>& values) {
   return borrow_as<vtkIntArray>(name, values.data(), values.size(), 1);

@@ -5,6 +5,7 @@
 
 #include "datasets/phantom/anatomy.hpp"
 #include "datasets/survey.hpp"
+#include "support/places.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -53,7 +54,7 @@ TEST(Fibers, DepthRunsFromZeroToOneBetweenTheSurfacesThatTheMuscleHas) {
   const Vec3 to_right = landmarks_of(model).seeds_mm.at("rv_blood") - apex;
   const Vec3 outwards = normalized(to_right - dot(to_right, axis) * axis);
   double first = -1, last = -1;
-  for (double r = 5; r < 30; r += 0.1) {
+  for (const double r : testing::steps(5, 30, 0.1)) {
     const Vec3 p = center + r * outwards;
     const Region region = region_at(model, p);
     if (region != Region::lv_myocardium && last >= 0) break;
@@ -73,7 +74,7 @@ TEST(Fibers, HelixFallsLinearlyThroughTheLateralWall) {
   const Vec3 outwards =
       normalized(cross(axis, cross(Vec3{1, 0.8, 0}, axis)));  // to the left and back: the lateral wall
   int samples = 0;
-  for (double r = 15; r < 45; r += 0.25) {
+  for (const double r : testing::steps(15, 45, 0.25)) {
     const Vec3 p = center + r * outwards;
     if (region_at(model, p) != Region::lv_myocardium) continue;
     const double depth = depth_at(model, p);
@@ -91,7 +92,7 @@ TEST(Fibers, RightVentricleFollowsTheSameRule) {
   Vec3 outwards = seed - marks.seeds_mm.at("lv_blood");
   outwards = normalized(outwards - dot(outwards, axis) * axis);
   double first = 0, last = 0;
-  for (double r = 0; r < 30; r += 0.2) {
+  for (const double r : testing::steps(0, 30, 0.2)) {
     const Vec3 p = seed + r * outwards;
     if (region_at(model, p) != Region::rv_myocardium) continue;
     const double angle = helix_deg(fiber_at(model, p), p, marks.seeds_mm.at("lv_blood"), axis);
@@ -113,7 +114,7 @@ TEST(Fibers, RightWallHasItsSurfacesWhereTheLabelsHaveThemAlsoAroundTheInflow) {
       const Vec3 side = std::cos(angle) * first_side + std::sin(angle) * cross(valve.normal, first_side);
       double first = -1, last = -1;
       Region next = Region::none;
-      for (double r = 0.9 * valve.radius_mm; r < valve.radius_mm + 9; r += 0.05) {
+      for (const double r : testing::steps(0.9 * valve.radius_mm, valve.radius_mm + 9, 0.05)) {
         const Vec3 p = valve.center_mm - 5 * valve.normal + r * side;
         next = region_at(model, p);
         if (next == Region::rv_myocardium) {
@@ -140,10 +141,7 @@ TEST(Fibers, TheRegionalFieldIsDefinedWhereTheUniformOneIsAndDepartsFromItByRegi
   double least = 90, most = -90;
   for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
     if (labels.voxels[v] != tag(Region::lv_myocardium) && labels.voxels[v] != tag(Region::rv_myocardium)) continue;
-    const auto& n = labels.grid.size;
-    const auto at = static_cast<std::int64_t>(v);
-    const Vec3 p = lps_from_index(labels.grid, {static_cast<double>(at % n[0]), static_cast<double>(at / n[0] % n[1]),
-                                                static_cast<double>(at / (n[0] * n[1]))});
+    const Vec3 p = testing::lps_of_voxel(labels.grid, static_cast<std::int64_t>(v));
     const Vec3 uniform = fiber_at(model, p), regional = fiber_at(model, p, HelixField::regional);
     ASSERT_EQ(norm(uniform) > 0.5, norm(regional) > 0.5);
     if (norm(uniform) < 0.5) continue;

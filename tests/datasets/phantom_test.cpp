@@ -9,6 +9,7 @@
 #include "datasets/phantom/image.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "support/places.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -38,10 +39,8 @@ TEST(Phantom, LabelsAreTheModelAtVoxelCentres) {
   EXPECT_EQ(phantom.ct.grid, phantom.labels.grid);
   const Grid& grid = phantom.labels.grid;
   for (std::int64_t n = 0; n < grid.voxel_count(); n += 97) {
-    const Vec3 index{static_cast<double>(n % grid.size[0]), static_cast<double>(n / grid.size[0] % grid.size[1]),
-                     static_cast<double>(n / (grid.size[0] * grid.size[1]))};
     EXPECT_EQ(phantom.labels.voxels[static_cast<std::size_t>(n)],
-              tag(region_at(phantom.model, lps_from_index(grid, index))));
+              tag(region_at(phantom.model, testing::lps_of_voxel(grid, n))));
   }
 }
 

@@ -19,6 +19,7 @@
 #include "model/error.hpp"
 #include "support/data.hpp"
 #include "support/model_heart.hpp"
+#include "support/places.hpp"
 
 namespace heart {
 namespace {
@@ -311,9 +312,9 @@ TEST(FitPose, FindsAKnownAffineMap) {
   truth.offset_mm = {1, -2, 1.5};
   std::vector<Vec3> points;
   std::vector<std::vector<float>> values(1);
-  for (double x = 20; x < 60; x += 6)
-    for (double y = 20; y < 60; y += 6)
-      for (double z = 20; z < 60; z += 6) {
+  for (const double x : testing::steps(20, 60, 6))
+    for (const double y : testing::steps(20, 60, 6))
+      for (const double z : testing::steps(20, 60, 6)) {
         points.push_back({x, y, z});
         values[0].push_back(
             static_cast<float>(sample_linear(target, index_from_lps(target.grid, truth(points.back())))));

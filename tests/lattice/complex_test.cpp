@@ -12,6 +12,7 @@
 #include "generator/lattice/surface_faces.hpp"
 #include "generator/parallel/threads.hpp"
 #include "lattice/shapes.hpp"
+#include "support/places.hpp"
 
 namespace {
 
@@ -162,9 +163,9 @@ bool is_inside(const Complex& c, const Cell& cell, const Vec3& p) {
 
 int points_in_both(const Complex& c) {
   int count = 0;
-  for (double x = -0.3; x < 0.3; x += 0.01)
-    for (double y = -0.3; y < 0.3; y += 0.01)
-      for (double z = 0.7; z < 1.1; z += 0.01)
+  for (const double x : heart::testing::steps(-0.3, 0.3, 0.01))
+    for (const double y : heart::testing::steps(-0.3, 0.3, 0.01))
+      for (const double z : heart::testing::steps(0.7, 1.1, 0.01))
         count += is_inside(c, c.cells[0], {x, y, z}) && is_inside(c, c.cells[1], {x, y, z});
   return count;
 }

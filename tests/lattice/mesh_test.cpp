@@ -10,6 +10,7 @@
 #include "generator/lattice/surface_faces.hpp"
 #include "generator/parallel/threads.hpp"
 #include "lattice/shapes.hpp"
+#include "support/places.hpp"
 
 namespace {
 
@@ -179,9 +180,9 @@ TEST(LatticeMesh, SeveralMaterialsMeetConforming) {
   // Volumes against counting on a fine grid.
   constexpr double step = 0.2;
   std::array<double, 5> counted{};
-  for (double z = -14 + step / 2; z < 14; z += step)
-    for (double y = -14 + step / 2; y < 14; y += step)
-      for (double x = -14 + step / 2; x < 14; x += step)
+  for (const double z : heart::testing::steps(-14 + step / 2, 14, step))
+    for (const double y : heart::testing::steps(-14 + step / 2, 14, step))
+      for (const double x : heart::testing::steps(-14 + step / 2, 14, step))
         counted[static_cast<std::size_t>(m.label_at({x, y, z}))] += step * step * step;
   for (int label = 1; label < 5; ++label)
     EXPECT_NEAR(volume_of(c, label), counted[static_cast<std::size_t>(label)],

@@ -9,6 +9,7 @@
 #include "generator/mesh/size_field.hpp"
 #include "mesh/shapes.hpp"
 #include "model/error.hpp"
+#include "support/places.hpp"
 
 namespace {
 
@@ -21,7 +22,7 @@ double thickness_mm(const mesh::MeshDomain& domain, Region region) {
   const auto& grid = domain.grid;
   const Vec3 middle{0, 0.5 * static_cast<double>(grid.size[1] - 1), 0.5 * static_cast<double>(grid.size[2] - 1)};
   double thickness = 0;
-  for (double x = 0; x < static_cast<double>(grid.size[0] - 1); x += step_mm / grid.spacing_mm.x)
+  for (const double x : heart::testing::steps(0, static_cast<double>(grid.size[0] - 1), step_mm / grid.spacing_mm.x))
     thickness += mesh::region_at(domain, {x, middle.y, middle.z}) == tag(region) ? step_mm : 0;
   return thickness;
 }
@@ -46,7 +47,7 @@ TEST(Domain, WallBetweenTwoAtriaKeepsItsThickness) {
 TEST(Domain, PlaneStaysWhereItIsAndIsFlat) {
   const auto labels = label_cube(21, 1, [](const Vec3& p) { return p.x < -0.5 ? Region::lv_blood : Region::torso; });
   const auto domain = mesh::make_domain(labels, 1);
-  for (double y = 3; y < 17; y += 0.37) {
+  for (const double y : heart::testing::steps(3, 17, 0.37)) {
     EXPECT_EQ(mesh::region_at(domain, {9.49, y, y / 2}), tag(Region::lv_blood));
     EXPECT_EQ(mesh::region_at(domain, {9.51, y, y / 2}), tag(Region::torso));
   }
@@ -60,9 +61,9 @@ TEST(Domain, SmoothingTheBodyLeavesTheHeartAlone) {
   });
   const auto plain = mesh::make_domain(labels, 0.8), smoothed = mesh::make_domain(labels, 0.8, 6);
   std::int64_t bone_before = 0, bone_after = 0;
-  for (double x = 0; x < 25; x += 0.37)
-    for (double y = 0; y < 25; y += 0.39)
-      for (double z = 0; z < 25; z += 0.41) {
+  for (const double x : heart::testing::steps(0, 25, 0.37))
+    for (const double y : heart::testing::steps(0, 25, 0.39))
+      for (const double z : heart::testing::steps(0, 25, 0.41)) {
         const auto before = mesh::region_at(plain, {x, y, z}), after = mesh::region_at(smoothed, {x, y, z});
         const auto is_heart = [](std::uint8_t t) {
           return t == tag(Region::lv_blood) || t == tag(Region::lv_myocardium);
@@ -88,9 +89,9 @@ TEST(Domain, UniformCubesAgreeWithTheShares) {
     const auto domain = mesh::make_domain(labels, 0.8, body_smoothing_mm);
     auto slow = domain;
     std::fill(slow.cubes.begin(), slow.cubes.end(), mesh::MeshDomain::mixed);
-    for (double x = -1; x < 25; x += 0.71)
-      for (double y = -1; y < 25; y += 0.83)
-        for (double z = -1; z < 25; z += 0.97)
+    for (const double x : heart::testing::steps(-1, 25, 0.71))
+      for (const double y : heart::testing::steps(-1, 25, 0.83))
+        for (const double z : heart::testing::steps(-1, 25, 0.97))
           ASSERT_EQ(mesh::region_at(domain, {x, y, z}), mesh::region_at(slow, {x, y, z}));
   }
 }
@@ -113,9 +114,9 @@ TEST(Domain, SingleSliceIsNoProblem) {
 double volume_voxels(const mesh::MeshDomain& domain, Region region) {
   constexpr double step = 0.25;
   double volume = 0;
-  for (double z = step / 2; z < static_cast<double>(domain.grid.size[2] - 1); z += step)
-    for (double y = step / 2; y < static_cast<double>(domain.grid.size[1] - 1); y += step)
-      for (double x = step / 2; x < static_cast<double>(domain.grid.size[0] - 1); x += step)
+  for (const double z : heart::testing::steps(step / 2, static_cast<double>(domain.grid.size[2] - 1), step))
+    for (const double y : heart::testing::steps(step / 2, static_cast<double>(domain.grid.size[1] - 1), step))
+      for (const double x : heart::testing::steps(step / 2, static_cast<double>(domain.grid.size[0] - 1), step))
         volume += mesh::region_at(domain, {x, y, z}) == tag(region) ? step * step * step : 0;
   return volume;
 }
@@ -153,12 +154,13 @@ TEST(Domain, SurfaceOfABallIsNearerThanItsVoxels) {
   const double middle = 0.5 * static_cast<double>(labels.grid.size[0] - 1);
   double sum = 0, most = 0;
   int count = 0;
-  for (double polar = 0.05; polar < 3.1; polar += 0.1)
-    for (double turn = 0; turn < 6.28; turn += 0.13 / std::sin(polar), ++count) {
+  for (const double polar : heart::testing::steps(0.05, 3.1, 0.1))
+    for (const double turn : heart::testing::steps(0, 6.28, 0.13 / std::sin(polar))) {
       const Vec3 way{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
       double r = 5;
       while (mesh::region_at(domain, Vec3{middle, middle, middle} + center + r * way) == tag(Region::lv_blood))
         r += 0.005;
+      ++count;
       sum += std::abs(r - radius);
       most = std::max(most, std::abs(r - radius));
     }
@@ -177,10 +179,10 @@ TEST(Domain, ThinStrandsAreNotBroken) {
 TEST(Domain, SharpKernelHasNoSecondMoment) {
   const auto kernels = mesh::sharp_kernels({1.3, 1.3, 2});
   for (const auto& weights : kernels) {
-    const auto radius = static_cast<int>(weights.size() / 2);
+    const double radius = 0.5 * static_cast<double>(weights.size() - 1);
     double sum = 0, moment = 0, width = 0;
-    for (int i = -radius; i <= radius; ++i) {
-      const double w = static_cast<double>(weights[static_cast<std::size_t>(i + radius)]);
+    for (std::size_t n = 0; n < weights.size(); ++n) {
+      const auto w = static_cast<double>(weights[n]), i = static_cast<double>(n) - radius;
       sum += w;
       moment += w * i * i;
       width += std::abs(w) * i * i;

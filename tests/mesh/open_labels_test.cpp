@@ -8,6 +8,7 @@
 
 #include "generator/parallel/threads.hpp"
 #include "mesh/shapes.hpp"
+#include "support/places.hpp"
 
 namespace {
 
@@ -30,13 +31,6 @@ LabelVolume wedge() {
   });
 }
 
-Vec3 center_of(const Grid& grid, std::size_t voxel) {
-  const auto v = static_cast<std::int64_t>(voxel);
-  return lps_from_index(grid,
-                        {static_cast<double>(v % grid.size[0]), static_cast<double>(v / grid.size[0] % grid.size[1]),
-                         static_cast<double>(v / grid.size[0] / grid.size[1])});
-}
-
 TEST(OpenLabels, AWedgeEndsAsWideAsTheBallAndItsNeighboursMeet) {
   const auto before = wedge();
   auto labels = before;
@@ -45,7 +39,7 @@ TEST(OpenLabels, AWedgeEndsAsWideAsTheBallAndItsNeighboursMeet) {
   const double end = -6 + radius_mm / std::sin(half_angle_deg * 3.14159265 / 180) - radius_mm;
   int gone = 0, kept = 0;
   for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
-    const Vec3 p = center_of(labels.grid, v);
+    const Vec3 p = heart::testing::lps_of_voxel(labels.grid, static_cast<std::int64_t>(v));
     if (std::abs(p.y) > 5 || std::abs(p.z) > 5) continue;  // corners of the block
     const auto was = before.voxels[v], is = labels.voxels[v];
     EXPECT_TRUE(is == was || was == tags[1]) << p.x << " " << p.y;

@@ -10,6 +10,7 @@
 #include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
 #include "segment/toy_heart.hpp"
+#include "support/places.hpp"
 
 namespace heart::segment {
 namespace {
@@ -90,9 +91,7 @@ TEST(Chambers, PapillaryMusclesAreKeptOrClosed) {
   ToyHeart heart = toy_heart();
   const Vec3 tip{28, -8, -14};
   for (std::int64_t v = 0; v < heart.ct.grid.voxel_count(); ++v) {
-    const auto [nx, ny, nz] = heart.ct.grid.size;
-    const Vec3 p = lps_from_index(heart.ct.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
-                                                  static_cast<double>(v / (nx * ny))});
+    const Vec3 p = testing::lps_of_voxel(heart.ct.grid, v);
     if (norm(p - tip) < 4.5) heart.ct.voxels[static_cast<std::size_t>(v)] = 110;
   }
   const Vec3 index = index_from_lps(heart.ct.grid, tip);
@@ -107,9 +106,7 @@ TEST(Chambers, MuscleBesideTheFatOfANotchIsWallAndNotPapillary) {
   ToyHeart heart = toy_heart();
   Mask fat(heart.ct.grid);
   for (std::int64_t v = 0; v < heart.ct.grid.voxel_count(); ++v) {
-    const auto [nx, ny, nz] = heart.ct.grid.size;
-    const Vec3 p = lps_from_index(heart.ct.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
-                                                  static_cast<double>(v / (nx * ny))});
+    const Vec3 p = testing::lps_of_voxel(heart.ct.grid, v);
     if (norm(p - toy::rv) > 19 || p.x > -27 || std::abs(p.z + 10) > 5) continue;
     fat.voxels[static_cast<std::size_t>(v)] = p.x < -30 && std::abs(p.z + 10) < 2;
     heart.ct.voxels[static_cast<std::size_t>(v)] = fat.voxels[static_cast<std::size_t>(v)] ? -90 : 110;
@@ -125,10 +122,9 @@ TEST(Chambers, MuscleBesideTheFatOfANotchIsWallAndNotPapillary) {
 TEST(Chambers, PoolsWithoutAValveBetweenThemNeverTouch) {
   ToyHeart heart = toy_heart();
   const auto [nx, ny, nz] = heart.ct.grid.size;
-  for (std::int64_t v = 0; v < heart.ct.grid.voxel_count();
-       ++v) {  // a channel between the atria, as if their wall were lost
-    const Vec3 p = lps_from_index(heart.ct.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
-                                                  static_cast<double>(v / (nx * ny))});
+  // A channel between the atria, as if their wall were lost.
+  for (std::int64_t v = 0; v < heart.ct.grid.voxel_count(); ++v) {
+    const Vec3 p = testing::lps_of_voxel(heart.ct.grid, v);
     if (std::abs(p.x) < 15 && std::hypot(p.y, p.z - 23) < 5) heart.ct.voxels[static_cast<std::size_t>(v)] = 350;
   }
   const auto labels = chambers_of(heart);

@@ -6,9 +6,12 @@
 #include <cmath>
 
 #include "generator/parallel/threads.hpp"
+#include "support/places.hpp"
 
 namespace heart::segment {
 namespace {
+
+using testing::lps_of_voxel;
 
 Mask scattered(std::uint32_t seed, std::uint32_t one_in) {
   Grid grid;
@@ -22,17 +25,11 @@ Mask scattered(std::uint32_t seed, std::uint32_t one_in) {
   return mask;
 }
 
-Vec3 place(const Grid& grid, std::int64_t v) {
-  return lps_from_index(grid,
-                        {static_cast<double>(v % grid.size[0]), static_cast<double>(v / grid.size[0] % grid.size[1]),
-                         static_cast<double>(v / (grid.size[0] * grid.size[1]))});
-}
-
 double slow_distance(const Mask& mask, std::int64_t v) {
   double best = 1e6;
   for (std::int64_t u = 0; u < mask.grid.voxel_count(); ++u)
     if (mask.voxels[static_cast<std::size_t>(u)])
-      best = std::min(best, norm(place(mask.grid, u) - place(mask.grid, v)));
+      best = std::min(best, norm(lps_of_voxel(mask.grid, u) - lps_of_voxel(mask.grid, v)));
   return best;
 }
 
@@ -114,7 +111,7 @@ TEST(Distance, NearestLabelIsTheNearestVoxelsLabel) {
       continue;
     }
     const auto owner = std::find(labels.voxels.begin(), labels.voxels.end(), nearest.voxels[at]);
-    EXPECT_NEAR(norm(place(labels.grid, owner - labels.voxels.begin()) - place(labels.grid, v)),
+    EXPECT_NEAR(norm(lps_of_voxel(labels.grid, owner - labels.voxels.begin()) - lps_of_voxel(labels.grid, v)),
                 static_cast<double>(distance.voxels[at]), 1e-4);
   }
 }

@@ -9,6 +9,7 @@
 #include "generator/segment/chambers.hpp"
 #include "model/error.hpp"
 #include "segment/toy_heart.hpp"
+#include "support/places.hpp"
 
 namespace heart::segment {
 namespace {
@@ -41,11 +42,8 @@ TEST(Epicardium, WallsAreFoundAndLeaveBloodAlone) {
 TEST(Epicardium, AFoldOfTheRightFreeWallIsNotTheLeftWall) {
   const ToyHeart heart = toy_heart();
   LabelVolume chambers = heart_blood(heart.truth);
-  const auto [nx, ny, nz] = chambers.grid.size;
   const auto place = [&](std::size_t voxel) {
-    const auto v = static_cast<std::int64_t>(voxel);
-    return lps_from_index(chambers.grid, {static_cast<double>(v % nx), static_cast<double>(v / nx % ny),
-                                          static_cast<double>(v / (nx * ny))});
+    return testing::lps_of_voxel(chambers.grid, static_cast<std::int64_t>(voxel));
   };
   for (std::size_t v = 0; v < chambers.voxels.size(); ++v) {  // muscle that stands in the right cavity
     const Vec3 p = place(v);

@@ -49,4 +49,11 @@ Field two_class_start(const Field& image, const Domain& domain, Norm norm) {
   return phi;
 }
 
+std::vector<NamedStart> four_starts(const Field& image, const Domain& domain) {
+  return {{"two classes", two_class_start(image, domain, Norm::l2)},
+          {"random", random_start(image.width, image.height)},
+          {"100 circles", many_circles_start(image.width, image.height)},
+          {"one circle", circle_start(image.width, image.height)}};
+}
+
 }  // namespace heart::study

@@ -1,5 +1,7 @@
 // Where the Chan-Vese flow starts (thesis 5.2).
 #pragma once
+#include <vector>
+
 #include "generator/study/regions.hpp"
 
 namespace heart::study {
@@ -14,5 +16,12 @@ Field many_circles_start(int width, int height, int across = 10);
 Field random_start(int width, int height, std::uint64_t key = 1);
 /// H(phi) - H(-phi) of the solution with μ = 0: +1 in the brighter of the two best classes, else -1.
 Field two_class_start(const Field& image, const Domain& domain, Norm norm);
+
+struct NamedStart {
+  const char* name;
+  Field phi;
+};
+/// The four of 5.2, the slowest last by the thesis; the two classes are those of the L2 norm.
+std::vector<NamedStart> four_starts(const Field& image, const Domain& domain);
 
 }  // namespace heart::study

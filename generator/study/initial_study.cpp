@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "generator/study/convergence.hpp"
 #include "generator/study/global_minimum.hpp"
 #include "generator/study/initial_conditions.hpp"
@@ -16,18 +18,15 @@ struct Case {
   int iterations;
 };
 
-/// The four starts of 5.2, the slowest last by the thesis.
 std::vector<FollowedFlow> four_flows(const Case& c, const Domain& plane, Discretisation method) {
   FlowSettings settings;
   settings.method = method;
   settings.mu = c.mu, settings.lambda = c.lambda;
   settings.time_step = 0.1 / c.mu;
   settings.max_iterations = settings.calm_iterations = c.iterations;
-  const int width = c.image.width, height = c.image.height;
-  return {{"two classes", two_class_start(c.image, plane, Norm::l2), settings},
-          {"random", random_start(width, height), settings},
-          {"100 circles", many_circles_start(width, height), settings},
-          {"one circle", circle_start(width, height), settings}};
+  std::vector<FollowedFlow> flows;
+  for (auto& start : four_starts(c.image, plane)) flows.push_back({start.name, std::move(start.phi), settings});
+  return flows;
 }
 
 /// Whether the starts settle in the order in which they stand. Those that never do come last, by what they lack.

@@ -30,6 +30,21 @@ TEST(Study, ThePrintedHeavisideLengthIsA198PixelDisc) {
   EXPECT_NEAR(792 - (2 - std::sqrt(2.0)) * 119, 722.2914139, 5e-8);
 }
 
+// So small an image has other orders than the thesis's, but the start must matter here too.
+TEST(Study, TheMethodsAreComparedFromEveryStart) {
+  StudySettings quick;
+  quick.quick = true;
+  const StudyResult study = study_discretisations(quick);
+  ASSERT_EQ(study.tables.size(), 2u);
+  EXPECT_EQ(study.tables[0].rows.size(), 8u) << "seven methods and the convex solver";
+  const auto& starts = study.tables[1].rows;
+  ASSERT_EQ(starts.size(), 5u) << "the thesis and four starts";
+  EXPECT_NE(starts[1][1], starts[4][1]) << "from the two classes and from one circle";
+  EXPECT_EQ(study.plots[0].curves.size(), 7u);
+  for (const auto& curve : study.plots[0].curves)
+    EXPECT_GT(curve.y.front(), 2000) << curve.name << ": 100 circles are far from the minimum";
+}
+
 TEST(Study, SettledIsForGood) {
   const Curve curve{"", {1, 2, 3, 4, 5}, {9, 2, 7, 3, 1}};
   EXPECT_EQ(settled_within(curve, 3), 4);

@@ -121,10 +121,10 @@ struct Tracer {
   /// One way from p; stops where the mesh or the fibres end.
   void follow(Vec3 p, Vec3 heading, double length_mm, Streamline& line) const {
     Place place;
-    for (double done = 0; done < length_mm; done += step_mm) {
+    for (int step = 0; step * step_mm < length_mm; ++step) {
       const Vec3 k1 = axis_at(p, heading, place);
       if (place.cell < 0 || dot(k1, k1) < 0.5) return;
-      if (done > 0) {
+      if (step > 0) {
         line.points_mm.push_back(p);
         line.helix_deg.push_back(helix_at(place));
       }

@@ -12,7 +12,8 @@ constexpr double pi = 3.14159265358979323846;
 /// Walks outwards from `from` until the point is `clearance_mm` outside the heart for good.
 Vec3 lift(const HeartShapes& heart, const Vec3& from, const Vec3& direction, double farthest_mm) {
   double last = 0;
-  for (double r = 0; r < farthest_mm; r += 0.5) {
+  for (int step = 0; 0.5 * step < farthest_mm; ++step) {
+    const double r = 0.5 * step;
     const HeartField f = heart_field(heart, from + r * direction);
     if (std::min({f.outer, f.aorta - 1.8, f.pulmonary - 1.8}) < clearance_mm) last = r;
   }
@@ -36,10 +37,11 @@ std::vector<CurvePoint> around_valve(const HeartShapes& heart, const Valve& valv
 std::vector<CurvePoint> along_groove(const HeartShapes& heart, double from_deg, double to_deg) {
   std::vector<CurvePoint> course;
   const double length = heart.lv_outer_mm.z;
-  for (double height = 0.22; height > -0.8; height -= 0.12) {
+  for (int level = 0; level < 9; ++level) {
+    const double height = 0.22 - 0.12 * level;
     const Vec3 middle = heart.center + height * length * heart.local[2];
-    for (double share = 0; share <= 1; share += 0.02) {
-      const double angle = (from_deg + share * (to_deg - from_deg)) * pi / 180;
+    for (int step = 0; step <= 50; ++step) {
+      const double angle = (from_deg + 0.02 * step * (to_deg - from_deg)) * pi / 180;
       const Vec3 direction = std::cos(angle) * heart.local[0] + std::sin(angle) * heart.local[1];
       const double shell = heart.lv_outer_mm.x * std::sqrt(1 - height * height) + clearance_mm;
       if (heart_field(heart, middle + shell * direction).rv_outer > clearance_mm) continue;

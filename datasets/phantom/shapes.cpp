@@ -93,18 +93,17 @@ void Tube::enter(std::size_t id, std::vector<std::vector<std::int32_t>>& cells) 
     for (int j = range.from[1]; j <= range.to[1]; ++j)
       for (int i = range.from[0]; i <= range.to[0]; ++i)
         if (piece.distance(low_ + cube_mm_ * Vec3{i + 0.5, j + 0.5, k + 0.5}) < slack)
-          cells[static_cast<std::size_t>((k * count_[1] + j) * count_[0] + i)].push_back(static_cast<std::int32_t>(id));
+          cells[cell_index(i, j, k)].push_back(static_cast<std::int32_t>(id));
 }
 
 double Tube::operator()(const Vec3& p) const {
   const Vec3 cell = (p - low_) * (1 / cube_mm_);
   if (!(cell.x >= 0 && cell.y >= 0 && cell.z >= 0 && cell.x < count_[0] && cell.y < count_[1] && cell.z < count_[2]))
     return reach_mm_;
-  const int index =
-      (static_cast<int>(cell.z) * count_[1] + static_cast<int>(cell.y)) * count_[0] + static_cast<int>(cell.x);
+  const auto index = cell_index(static_cast<int>(cell.x), static_cast<int>(cell.y), static_cast<int>(cell.z));
   double distance = reach_mm_;
-  const auto* end = list_.data() + start_[static_cast<std::size_t>(index) + 1];
-  for (const auto* id = list_.data() + start_[static_cast<std::size_t>(index)]; id != end; ++id)
+  const auto* end = list_.data() + start_[index + 1];
+  for (const auto* id = list_.data() + start_[index]; id != end; ++id)
     distance = std::min(distance, pieces_[static_cast<std::size_t>(*id)].distance(p));
   return distance;
 }
@@ -123,7 +122,8 @@ HeightTable::HeightTable(const std::vector<double>& z, const std::vector<double>
     return a * b > 0 ? 2 * a * b / (a + b) : 0.0;
   };
   std::size_t i = 0;
-  for (double height = low_; height <= z.back(); height += 1) {
+  for (int step = 0; low_ + step <= z.back(); ++step) {
+    const double height = low_ + step;
     while (i + 2 < z.size() && height > z[i + 1]) ++i;
     const double span = z[i + 1] - z[i], t = (height - z[i]) / span, t2 = t * t, t3 = t2 * t;
     samples_.push_back((2 * t3 - 3 * t2 + 1) * value[i] + (t3 - 2 * t2 + t) * span * slope(i) +

@@ -79,6 +79,10 @@ class Tube {
     int from[3], to[3];
   };
   CellRange cells_near(const Piece& piece) const;
+  std::size_t cell_index(int i, int j, int k) const {
+    const int index = (k * count_[1] + j) * count_[0] + i;
+    return static_cast<std::size_t>(index);
+  }
   void enter(std::size_t id, std::vector<std::vector<std::int32_t>>& cells) const;
   std::vector<CurvePoint> curve_;
   std::vector<Piece> pieces_;

@@ -27,12 +27,13 @@ Point2 center_of(const BrokenCircle& c) {
 /// Coverage of a pixel by the ring, 16 samples.
 double coverage(const BrokenCircle& c, double x, double y) {
   int hits = 0;
-  for (int n = 0; n < 16; ++n) {
-    const double px = x + 0.25 * (n % 4) - 0.375, py = y + 0.25 * (n / 4) - 0.375;
-    const double turn = std::atan2(px, py) / (2 * std::numbers::pi) * c.gaps;  // one per gap, 0 at its middle
-    const bool gap = c.gaps > 0 && std::abs(turn - std::round(turn)) < c.gap_deg / 720 * c.gaps;
-    hits += !gap && std::abs(std::hypot(px, py) - c.radius_mm) < c.width_mm / 2;
-  }
+  for (const double dy : {-0.375, -0.125, 0.125, 0.375})
+    for (const double dx : {-0.375, -0.125, 0.125, 0.375}) {
+      const double px = x + dx, py = y + dy;
+      const double turn = std::atan2(px, py) / (2 * std::numbers::pi) * c.gaps;  // one per gap, 0 at its middle
+      const bool gap = c.gaps > 0 && std::abs(turn - std::round(turn)) < c.gap_deg / 720 * c.gaps;
+      hits += !gap && std::abs(std::hypot(px, py) - c.radius_mm) < c.width_mm / 2;
+    }
   return hits / 16.0;
 }
 
@@ -54,8 +55,10 @@ void measure(const BrokenCircle& c, Closing& closing) {
   for (int ray = 0; ray < 720; ++ray) {
     const double angle = ray * std::numbers::pi / 360;
     double r = 0;
-    for (double s = 0; s < 0.5 * c.size; s += 0.1)
+    for (int step = 0; step < 5 * c.size; ++step) {
+      const double s = 0.1 * step;
       if (sample_linear(soft, {middle.x + s * std::sin(angle), middle.y + s * std::cos(angle), 0}) >= 0.5) r = s;
+    }
     nearest = std::min(nearest, r);
     farthest = std::max(farthest, r);
   }

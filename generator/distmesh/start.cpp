@@ -92,12 +92,12 @@ void add_start_nodes(Nodes& nodes, const Materials& materials, Dimension dimensi
   const std::size_t first = nodes.size();
   const Vec3 size = materials.box_max_mm - materials.box_min_mm;
   const double longest = dimension == Dimension::two ? std::max(size.x, size.y) : std::max({size.x, size.y, size.z});
-  std::int64_t number = 0;
-  for (double width = least_edge_mm; width < longest; ++number) {
-    const double next = least_edge_mm * std::pow(2.0, 0.5 * static_cast<double>(number + 1));
-    add_class(nodes, materials, dimension, number == 0 ? 0.999999 * width : width, next, number);
-    width = next;
-  }
+  const auto width_mm = [&](std::int64_t number) {
+    return least_edge_mm * std::pow(2.0, 0.5 * static_cast<double>(number));
+  };
+  for (std::int64_t number = 0; width_mm(number) < longest; ++number)
+    add_class(nodes, materials, dimension, (number == 0 ? 0.999999 : 1) * width_mm(number), width_mm(number + 1),
+              number);
   drop_near_first(nodes, materials, first);
 }
 

@@ -35,7 +35,7 @@ int root_level(const Vec3& box_mm, double cell_mm) {
 std::int32_t level_of(double edge_mm, double cell_mm, std::int32_t root) {
   const double ratio = edge_mm / (mean_edge_per_cell * cell_mm);
   std::int32_t allowed = 0;
-  for (double limit = 1.41; allowed < root && ratio > limit; limit *= 2) ++allowed;
+  while (allowed < root && ratio > std::ldexp(1.41, allowed)) ++allowed;
   return allowed;
 }
 

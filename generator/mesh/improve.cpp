@@ -177,7 +177,7 @@ bool improve_node(const Workspace& w, std::int32_t node, const ImproveSettings& 
     const Vec3 start = position;
     const double before = best;
     for (const Vec3& direction : {allowed(star.shortest_mm * ascent(star, start)), allowed(middle_of(star) - start)})
-      for (double share = 1; share > 0.05; share *= 0.5) {
+      for (const double share : {1.0, 0.5, 0.25, 0.125, 0.0625}) {
         const Vec3 candidate = start + share * direction;
         const double value = star.worst(candidate, best);
         if (value <= best + 1e-9) continue;

@@ -178,8 +178,8 @@ Mask grown_to_the_wall(const CtVolume& ct, const Mask& lumen, double lumen_grey,
           if (!ct.grid.contains(at[0], at[1], at[2]) || lumen(at[0], at[1], at[2])) continue;
           const Index3 next = at;
           double crest = -32768;
-          for (double way = 0; way <= wall_reach_mm && ct.grid.contains(at[0], at[1], at[2]);
-               way += ct.grid.spacing_mm[face / 2], at[axis] += sign)
+          for (int n = 0; n * ct.grid.spacing_mm[face / 2] <= wall_reach_mm && ct.grid.contains(at[0], at[1], at[2]);
+               ++n, at[axis] += sign)
             crest = std::max(crest, static_cast<double>(ct(at[0], at[1], at[2])));
           if (2 * crest > lumen_grey + tissue_grey) crest = std::max(crest, tissue_grey);
           if (2 * ct(next[0], next[1], next[2]) < lumen_grey + crest) grown(next[0], next[1], next[2]) = 1;

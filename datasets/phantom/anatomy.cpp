@@ -1,5 +1,7 @@
 #include "datasets/phantom/anatomy.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "datasets/phantom/body.hpp"
@@ -56,15 +58,22 @@ Patient draw_patient(int variant) {
 
 void check_override(const std::optional<double>& value, const char* name, double least, double most) {
   if (value && !(*value >= least && *value <= most))
-    throw UserError(std::string(name) + " is out of range", "phantom",
-                    "give a value from " + std::to_string(least) + " to " + std::to_string(most));
+    throw UserError(fmt::format("{:g} is out of range", *value), name, fmt::format("give {:g} to {:g}", least, most));
+}
+
+void check_overrides(const HeartOverrides& overrides) {
+  check_override(overrides.lv_wall_mm, "the phantom's left ventricular wall, mm", 5, 18);
+  check_override(overrides.rv_wall_mm, "the phantom's right ventricular wall, mm", 2.5, 8);
+  check_override(overrides.scale, "the size of the phantom's heart", 0.8, 1.25);
+  for (int axis = 0; axis < 3 && overrides.rotation_deg; ++axis)
+    check_override((*overrides.rotation_deg)[axis], "a rotation of the phantom's heart, degrees", -30, 30);
 }
 
 void apply_overrides(Patient& patient, const HeartOverrides& overrides) {
-  check_override(overrides.lv_wall_mm, "lv_wall_mm", 5, 18);
-  check_override(overrides.rv_wall_mm, "rv_wall_mm", 2.5, 8);
-  check_override(overrides.scale, "scale", 0.8, 1.25);
+  check_overrides(overrides);
   if (overrides.scale) patient.pose.scale = *overrides.scale;
+  for (int axis = 0; axis < 3 && overrides.rotation_deg; ++axis)
+    patient.pose.rotation = rotation_about(axis, (*overrides.rotation_deg)[axis]) * patient.pose.rotation;
   auto& s = patient.sizes;
   s.lv_radius_mm *= patient.pose.scale;
   s.lv_length_mm *= patient.pose.scale;

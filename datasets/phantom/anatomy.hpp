@@ -40,6 +40,9 @@ struct HeartOverrides {
   std::optional<double> lv_wall_mm;  ///< thickness of the compact left ventricular wall at the equator, 5 to 18
   std::optional<double> rv_wall_mm;  ///< thickness of the right ventricular free wall, 2.5 to 8
   std::optional<double> scale;       ///< size of the heart, 0.8 to 1.25
+  /// Turns the variant's heart about its middle: by x about the patient's x axis, then y, then z; each -30 to 30
+  /// degrees.
+  std::optional<Vec3> rotation_deg;
 };
 
 struct HeartModel {

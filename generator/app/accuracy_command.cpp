@@ -149,7 +149,8 @@ Case measure(const datasets::PhantomSettings& settings, const std::string& keep,
   run.comm = comm;
   datasets::Phantom phantom;
   parallel::run_on_root(comm, [&] { phantom = datasets::make_phantom(settings); });
-  result.right_minus_muscle_hu = datasets::right_heart_contrast_hu(datasets::make_heart_model(settings.variant));
+  result.right_minus_muscle_hu =
+      datasets::right_heart_contrast_hu(datasets::make_heart_model(settings.variant, settings.overrides));
   Recipe recipe;
   recipe.segmentation = default_segmentation();
   try {
@@ -252,19 +253,31 @@ Json grid_of(const datasets::PhantomSettings& settings) {
   return {{"size", settings.size}, {"spacing_mm", {mm.x, mm.y, mm.z}}};
 }
 
+/// What the variants' hearts were made to be; empty where nothing was asked for.
+Json heart_of(const datasets::PhantomSettings& settings) {
+  const auto& heart = settings.overrides;
+  Json json = Json::object();
+  if (heart.lv_wall_mm) json["lv_wall_mm"] = *heart.lv_wall_mm;
+  if (heart.rv_wall_mm) json["rv_wall_mm"] = *heart.rv_wall_mm;
+  if (heart.scale) json["scale"] = *heart.scale;
+  if (const auto& turn = heart.rotation_deg) json["rotation_deg"] = {turn->x, turn->y, turn->z};
+  return json;
+}
+
 void write_case(const fs::path& file, const Case& c, const datasets::PhantomSettings& settings) {
   Json row = as_json(c);
   row["grid"] = grid_of(settings);
+  row["heart"] = heart_of(settings);
   write_text(file, row.dump(1) + "\n");
 }
 
-/// The row of an earlier run; nothing where there is none, or one of another grid, or one that was cut off.
+/// The row of an earlier run; nothing where there is none, or one of another grid or heart, or one that was cut off.
 std::optional<Case> read_case(const fs::path& file, const datasets::PhantomSettings& settings) {
   std::ifstream stream(file);
   if (!stream) return std::nullopt;
   try {
     const Json row = Json::parse(stream);
-    if (row.at("grid") != grid_of(settings)) return std::nullopt;
+    if (row.at("grid") != grid_of(settings) || row.at("heart") != heart_of(settings)) return std::nullopt;
     return case_from_json(row);
   } catch (const Json::exception&) {
     return std::nullopt;
@@ -341,6 +354,7 @@ std::vector<datasets::PhantomSettings> phantoms_of(const AccuracyCommand& comman
   datasets::PhantomSettings settings;
   settings.size = command.size;
   settings.spacing_mm = command.spacing_mm;
+  settings.overrides = command.heart;
   settings.companions = false;
   settings.fibers = false;
   for (const double noise : command.noise_hu)

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/phantom/anatomy.hpp"
 #include "generator/parallel/comm.hpp"
 #include "model/grid.hpp"
 
@@ -13,9 +14,10 @@ struct AccuracyCommand {
   std::vector<double> noise_hu{22};
   Index3 size{256, 256, 160};
   Vec3 spacing_mm{1.4, 1.4, 1.9};
-  std::string keep;     ///< folder for each case's CT, truth and label map; empty: none are written
-  bool resume = false;  ///< take from `keep` the phantoms that an earlier run with the same grid measured
-  std::string plot;     ///< SVG to write: Dice of every region over the right heart's contrast; empty: none
+  datasets::HeartOverrides heart;  ///< of every variant
+  std::string keep;                ///< folder for each case's CT, truth and label map; empty: none are written
+  bool resume = false;             ///< take from `keep` the phantoms that an earlier run with the same grid measured
+  std::string plot;                ///< SVG to write: Dice of every region over the right heart's contrast; empty: none
   bool json = false;
   std::string of = "chambers";  ///< or a part of accuracy_parts.hpp
 };

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/phantom/anatomy.hpp"
 #include "generator/parallel/comm.hpp"
 #include "model/grid.hpp"
 
@@ -63,6 +64,7 @@ struct PhantomCommand {
   Vec3 spacing_mm{1.4, 1.4, 1.9};
   int variant = 0;
   double noise_hu = 22;
+  datasets::HeartOverrides heart;
   bool json = false;
 };
 int phantom_command(const PhantomCommand& command);

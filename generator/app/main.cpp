@@ -49,6 +49,8 @@ int run(Program& p) {
   if (!p.size.empty()) p.phantom.size = p.accuracy.size = p.bench.size = {p.size[0], p.size[1], p.size[2]};
   if (!p.spacing.empty())
     p.phantom.spacing_mm = p.accuracy.spacing_mm = p.bench.spacing_mm = {p.spacing[0], p.spacing[1], p.spacing[2]};
+  if (!p.rotation.empty())
+    p.phantom.heart.rotation_deg = p.accuracy.heart.rotation_deg = {p.rotation[0], p.rotation[1], p.rotation[2]};
   const auto watch = watch_over(p);
   return p.chosen();
 }

@@ -14,6 +14,7 @@ void add_accuracy(Program& p) {
   sub->add_option("--noise", p.accuracy.noise_hu, "standard deviations of the noise, HU (default 22)")->delimiter(',');
   sub->add_option("--size", p.size, "voxels NX,NY,NZ (default 256,256,160)")->delimiter(',')->expected(3);
   sub->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
+  add_heart_options(p, *sub, p.accuracy.heart);
   sub->add_option("--keep", p.accuracy.keep, "folder for each phantom's CT, truth, label map and row");
   sub->add_flag("--resume", p.accuracy.resume, "take the rows that an earlier run left in --keep");
   sub->add_option("--plot", p.accuracy.plot, "SVG to write: least Dice over the right heart's contrast");

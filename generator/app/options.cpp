@@ -14,4 +14,13 @@ std::function<int()> on_root(Program& p, std::function<int()> action) {
   return [&p, action = std::move(action)] { return parallel::run_on_root(p.comm, action); };
 }
 
+void add_heart_options(Program& p, CLI::App& sub, datasets::HeartOverrides& heart) {
+  sub.add_option("--lv-wall", heart.lv_wall_mm, "mm, the left ventricle's wall, 5 to 18 (default: the variant's)");
+  sub.add_option("--rv-wall", heart.rv_wall_mm, "mm, the right ventricle's, 2.5 to 8");
+  sub.add_option("--heart-size", heart.scale, "over the usual, 0.8 to 1.25");
+  sub.add_option("--heart-rotation", p.rotation, "degrees about the patient's axes RX,RY,RZ, each -30 to 30")
+      ->delimiter(',')
+      ->expected(3);
+}
+
 }  // namespace heart::app

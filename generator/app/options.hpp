@@ -46,7 +46,7 @@ struct Program {
   std::string bundle{}, path{}, ct{};
   bool json = false;
   std::vector<std::int64_t> size{};
-  std::vector<double> spacing{};
+  std::vector<double> spacing{}, rotation{};
 };
 
 /// Adds a subcommand whose action is chosen when it is parsed.
@@ -55,6 +55,9 @@ CLI::App* subcommand(Program& p, const std::string& name, const std::string& wha
 
 /// The action on the root alone, while the other ranks wait for its outcome.
 std::function<int()> on_root(Program& p, std::function<int()> action);
+
+/// What makes a phantom's heart unusual.
+void add_heart_options(Program& p, CLI::App& sub, datasets::HeartOverrides& heart);
 
 void add_bundle_options(Program& p);   ///< what makes, checks and hands on bundles
 void add_tool_options(Program& p);     ///< single steps on images, label maps and meshes

@@ -86,6 +86,7 @@ int phantom_command(const PhantomCommand& command) {
   settings.spacing_mm = command.spacing_mm;
   settings.variant = command.variant;
   settings.noise_hu = command.noise_hu;
+  settings.overrides = command.heart;
   const fs::path folder = command.folder, recipe = folder / "recipe.toml";
   check_output(recipe);
   require_own(recipe);

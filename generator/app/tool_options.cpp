@@ -57,6 +57,7 @@ void add_tools(Program& p) {
   phantom->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
   phantom->add_option("--variant", p.phantom.variant, "another patient: pose, size, walls, contrast (default 0)");
   phantom->add_option("--noise", p.phantom.noise_hu, "standard deviation of the noise, HU (default 22)");
+  add_heart_options(p, *phantom, p.phantom.heart);
   phantom->add_flag("--json", p.phantom.json, "print as JSON");
 }
 

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
+#include <numbers>
 
 #include "datasets/survey.hpp"
 #include "model/error.hpp"
@@ -168,6 +170,32 @@ TEST(Anatomy, WallOverridesTakeEffectAndAreChecked) {
   EXPECT_THROW(make_heart_model(-1), UserError);
   thick.lv_wall_mm = 40;
   EXPECT_THROW(make_heart_model(0, thick), UserError);
+}
+
+TEST(Anatomy, AHeartTurnsAndGrowsInTheChest) {
+  HeartOverrides overrides;
+  overrides.rotation_deg = {20, -20, 20};
+  const auto turned = make_heart_model(0, overrides);
+  const Vec3 axis = long_axis(make_heart_model(0));
+  // x, then y, then z, by the right hand.
+  const double s = std::sin(20 * std::numbers::pi / 180), c = std::cos(20 * std::numbers::pi / 180);
+  const Vec3 x{axis.x, c * axis.y - s * axis.z, s * axis.y + c * axis.z};
+  const Vec3 y{c * x.x - s * x.z, x.y, s * x.x + c * x.z};
+  EXPECT_LT(norm(long_axis(turned) - Vec3{c * y.x - s * y.y, s * y.x + c * y.y, y.z}), 1e-12);
+
+  overrides.scale = 1.2;
+  const auto model = make_heart_model(0, overrides);
+  for (const auto& [name, seed] : landmarks_of(model).seeds_mm)
+    EXPECT_EQ(region_name(tag(region_at(model, seed))), name);
+  const auto usual = survey_heart(make_heart_model(0), 2).regions, labels = survey_heart(turned, 2).regions,
+             large = survey_heart(model, 2).regions;
+  for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood}) {
+    const double volume = volume_ml(usual, region);
+    EXPECT_NEAR(volume_ml(labels, region), volume, 0.06 * volume) << region_name(tag(region));
+    EXPECT_NEAR(volume_ml(large, region), 1.728 * volume, 0.2 * volume) << region_name(tag(region));
+  }
+  overrides.rotation_deg = {0, 31, 0};
+  EXPECT_THROW(make_heart_model(0, overrides), UserError);
 }
 
 }  // namespace

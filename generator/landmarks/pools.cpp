@@ -7,12 +7,14 @@
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/morphology.hpp"
+#include "generator/segment/typical_grey.hpp"
 
 namespace heart::landmarks {
 namespace {
 
 constexpr double smallest_pool_ml = 1.5;
 constexpr double shell_from_mm = 4, shell_to_mm = 7.5;  // beyond partial volume, within the left ventricle's wall
+constexpr double grey_from_mm = 3, grey_to_mm = 6.5;    // so much nearer that thin walls are seen
 constexpr float fat_hu = -10;
 constexpr double brightest_muscle_hu = 180;
 constexpr double thick_mm = 10;  // no wall of a heart is thicker than 20 mm: liver and other muscles are
@@ -69,16 +71,17 @@ void measure_shell(const Volume<float>& smooth, const Mask& muscle, const Volume
   double shell = 0, in_muscle = 0, dark = 0;
   std::vector<float> grey;
   for (std::size_t v = 0; v < distance.voxels.size(); ++v) {
-    if (distance.voxels[v] <= shell_from_mm || distance.voxels[v] >= shell_to_mm) continue;
+    const double mm = static_cast<double>(distance.voxels[v]);
+    if (muscle.voxels[v] && mm > grey_from_mm && mm < grey_to_mm) grey.push_back(smooth.voxels[v]);
+    if (mm <= shell_from_mm || mm >= shell_to_mm) continue;
     shell += 1;
     in_muscle += muscle.voxels[v];
     dark += smooth.voxels[v] < fat_hu;
-    if (muscle.voxels[v]) grey.push_back(smooth.voxels[v]);
   }
   if (shell == 0) return;
   pool.muscle_share = in_muscle / shell;
   pool.fat_or_air_share = dark / shell;
-  pool.shell_hu = median(grey);
+  pool.shell_hu = segment::typical_grey(grey, segment::muscle_window_hu);
 }
 
 void measure_grey(const Volume<float>& hu, const Volume<float>& smooth, const Volume<float>& depth,

@@ -18,7 +18,7 @@ struct Pool {
   double hu_deviation = 0;           ///< of its deep part: streaks are uneven
   double muscle_share = 0;           ///< of the shell 4 to 7.5 mm outside: the left ventricle's is muscle
   double fat_or_air_share = 0;       ///< of the same shell
-  double shell_hu = 0;               ///< median of its muscle
+  double shell_hu = 0;               ///< typical of its muscle
   double from_heart_mm = 0;          ///< distance of the centre from the heart's centre
   double left_mm = 0, front_mm = 0;  ///< of the spine
 };

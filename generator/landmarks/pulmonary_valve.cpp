@@ -201,14 +201,29 @@ ValvePatch valve_where_wall_brightens(const std::vector<Station>& stations, std:
   return valve;
 }
 
+/// Where no wall tells: the end of the walk, where the ventricle widens, if the valve usually lies nearer to it than to
+/// the start.
+ValvePatch end_of_walk_or_start(const std::vector<Station>& stations, const ValvePatch& start,
+                                const std::optional<Vec3>& usual_mm) {
+  if (stations.empty() || !usual_mm) return start;
+  const Station& last = stations.back();
+  if (norm(last.section.centre_mm - *usual_mm) >= norm(start.centre_mm - *usual_mm)) return start;
+  ValvePatch valve = start;
+  valve.centre_mm = last.section.centre_mm;
+  valve.normal = last.normal;
+  valve.diameter_mm = last.section.diameter_mm();
+  return valve;
+}
+
 }  // namespace
 
 ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage& image,
-                                const std::optional<FaintRightHeart>& faint, const ValvePatch& start) {
+                                const std::optional<FaintRightHeart>& faint, const ValvePatch& start,
+                                const std::optional<Vec3>& usual_mm) {
   const Scenery scenery = make_scenery(chambers, image, faint);
   const auto stations = first_long_walk(scenery, start);
   const std::size_t first_muscle = faint ? wall_brightens(stations) : muscle_begins(stations);
-  if (first_muscle == 0) return start;
+  if (first_muscle == 0) return end_of_walk_or_start(stations, start, usual_mm);
   if (faint) return valve_where_wall_brightens(stations, first_muscle, start);
   ValvePatch valve = start;
   const Station& station = stations[first_muscle];

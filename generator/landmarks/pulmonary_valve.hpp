@@ -8,8 +8,10 @@ namespace heart::landmarks {
 /// Walks from the pulmonary artery upstream into the ventricle's outflow tract and puts the valve where the fat
 /// around the artery gives way to the muscle around the outflow tract. Where the right heart is `faint`, and its blood
 /// no sure inner surface of a wall, the valve is where the tissue next to the fat darkens from muscle to the artery's
-/// thin wall. `start` is where the two pools were parted.
+/// thin wall. `start` is where the two pools were parted. Where no wall tells, it is the end of the walk or `start`,
+/// whichever is nearer to `usual_mm`.
 ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage& image,
-                                const std::optional<FaintRightHeart>& faint, const ValvePatch& start);
+                                const std::optional<FaintRightHeart>& faint, const ValvePatch& start,
+                                const std::optional<Vec3>& usual_mm);
 
 }  // namespace heart::landmarks

@@ -9,8 +9,8 @@
 namespace heart::landmarks {
 namespace {
 
-constexpr float bone_hu = 150, brightest_hu = 500;  // beyond, bone is not more likely to be a vertebra
-constexpr double vertebra_sigma_mm = 8;             // about a third of a vertebral body
+constexpr float bone_hu = 150, brightest_hu = 200;  // beyond, it is rather the aorta that is filled with contrast
+constexpr double vertebra_sigma_mm = 10;            // about a third of a vertebral body
 constexpr double enough_lung_mm2 = 3000;            // per slice, to say where the back of the chest is
 constexpr double lung_before_back = 0.985;          // share of the lung in front of "the back of the lungs"
 constexpr double spine_before_back_mm = 6;          // the vertebral centre in front of it

@@ -1,4 +1,4 @@
-#include "generator/landmarks/usual_tricuspid.hpp"
+#include "generator/landmarks/usual_valves.hpp"
 
 #include <algorithm>
 
@@ -12,25 +12,43 @@ namespace {
 
 // In the frame of the left heart's base, mm and parts: means over hearts in two CTs and the phantom, which lie within
 // 10 mm and 20 degrees of them.
-constexpr double mitral_weight = 0.65;  // of the base's middle, as for the long axis
-constexpr double to_apex_mm = 8, to_aortic_mm = 27, to_right_mm = 33;
+constexpr double mitral_weight = 0.65;      // of the base's middle, as for the long axis
+constexpr Vec3 tricuspid_mm{-8, 27, 33};    // towards base, aortic valve and right
+constexpr Vec3 pulmonary_mm{-12, 40, -20};  // so in two CTs and the phantom, within 16 mm
 constexpr double normal_to_base = 0.9, normal_to_aortic = 0.1, normal_to_right = 0.35;
 constexpr double usual_diameter_mm = 34;  // adults: 28 to 40
+
+struct BaseFrame {
+  Vec3 middle_mm, to_base, to_aortic, to_right;
+
+  Vec3 at(const Vec3& mm) const { return middle_mm + mm.x * to_base + mm.y * to_aortic + mm.z * to_right; }
+};
+
+BaseFrame base_frame(const ValvePatch& mitral, const ValvePatch& aortic, const LongAxis& axis) {
+  BaseFrame frame;
+  frame.middle_mm = mitral_weight * mitral.centre_mm + (1 - mitral_weight) * aortic.centre_mm;
+  frame.to_base = -axis.direction;
+  const Vec3 across = aortic.centre_mm - mitral.centre_mm;
+  frame.to_aortic = normalized(across - dot(across, frame.to_base) * frame.to_base);
+  frame.to_right = cross(frame.to_aortic, frame.to_base);
+  return frame;
+}
 
 }  // namespace
 
 ValvePatch usual_tricuspid(const ValvePatch& mitral, const ValvePatch& aortic, const LongAxis& axis) {
-  const Vec3 to_base = -axis.direction;
-  const Vec3 across = aortic.centre_mm - mitral.centre_mm;
-  const Vec3 to_aortic = normalized(across - dot(across, to_base) * to_base);
-  const Vec3 to_right = cross(to_aortic, to_base);
-  const Vec3 base = mitral_weight * mitral.centre_mm + (1 - mitral_weight) * aortic.centre_mm;
+  const BaseFrame frame = base_frame(mitral, aortic, axis);
   ValvePatch usual;
-  usual.centre_mm = base - to_apex_mm * to_base + to_aortic_mm * to_aortic + to_right_mm * to_right;
-  usual.normal = normalized(normal_to_base * to_base + normal_to_aortic * to_aortic + normal_to_right * to_right);
+  usual.centre_mm = frame.at(tricuspid_mm);
+  usual.normal = normalized(normal_to_base * frame.to_base + normal_to_aortic * frame.to_aortic +
+                            normal_to_right * frame.to_right);
   usual.diameter_mm = usual_diameter_mm;
   usual.share = 1;
   return usual;
+}
+
+Vec3 usual_pulmonary_mm(const ValvePatch& mitral, const ValvePatch& aortic, const LongAxis& axis) {
+  return base_frame(mitral, aortic, axis).at(pulmonary_mm);
 }
 
 std::optional<ValvePatch> narrowest_tricuspid(const LabelVolume& chambers, const Volume<float>& hu, double muscle_hu,

@@ -5,7 +5,7 @@
 #include "generator/landmarks/pulmonary_valve.hpp"
 #include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/statistics.hpp"
-#include "generator/landmarks/usual_tricuspid.hpp"
+#include "generator/landmarks/usual_valves.hpp"
 #include "generator/landmarks/working_image.hpp"
 
 namespace heart::landmarks {
@@ -79,13 +79,34 @@ void settle(LabelVolume& chambers, Region ventricle, Region beyond, ValvePatch& 
   valve.normal = normal;
 }
 
-/// The tricuspid valve; `start` is where the flood parted atrium and ventricle, up to 15 mm below the valve.
-ValvePatch find_tricuspid(LabelVolume& chambers, const WorkingImage& image, const RightHeartLook& right,
-                          const ValvePatch& start) {
+/// No farther from where the valve usually lies than twice as far as in known hearts.
+bool lies_as_usual(const ValvePatch& valve, const ValvePatch& usual) {
+  constexpr double farthest_mm = 20, most_turned_deg = 40;
+  return norm(valve.centre_mm - usual.centre_mm) <= farthest_mm &&
+         angle_deg(valve.normal, usual.normal) <= most_turned_deg;
+}
+
+/// The tighter of the planes near the flood's border and near the usual place. In a crooked or crowded heart a fold of
+/// the ventricle may be nearer to the flood's border than the valve is, and as tight.
+ValvePatch tightest_tricuspid(const LabelVolume& chambers, const ValvePatch& start,
+                              const std::optional<ValvePatch>& usual) {
   using enum Region;
   constexpr int rounds = 3;
-  ValvePatch valve = start;
-  tighten(chambers, rv_blood, ra_blood, rounds, valve);
+  ValvePatch from_flood = start;
+  tighten(chambers, rv_blood, ra_blood, rounds, from_flood);
+  if (!usual) return from_flood;
+  ValvePatch from_usual = *usual;
+  tighten(chambers, rv_blood, ra_blood, rounds, from_usual);
+  const bool flood_is_usual = lies_as_usual(from_flood, *usual);
+  if (flood_is_usual != lies_as_usual(from_usual, *usual)) return flood_is_usual ? from_flood : from_usual;
+  return from_usual.diameter_mm < from_flood.diameter_mm ? from_usual : from_flood;
+}
+
+/// The tricuspid valve; `start` is where the flood parted atrium and ventricle, up to 15 mm below the valve.
+ValvePatch find_tricuspid(LabelVolume& chambers, const WorkingImage& image, const RightHeartLook& right,
+                          const ValvePatch& start, const std::optional<ValvePatch>& usual) {
+  using enum Region;
+  ValvePatch valve = tightest_tricuspid(chambers, start, usual);
   settle(chambers, rv_blood, ra_blood, valve);
   if (!right.faint) return valve;
   const auto orifice = find_orifice(show_tissue(image.hu, *right.faint), valve);
@@ -96,9 +117,9 @@ ValvePatch find_tricuspid(LabelVolume& chambers, const WorkingImage& image, cons
 }
 
 ValvePatch find_pulmonary(LabelVolume& chambers, const WorkingImage& image, const RightHeartLook& right,
-                          const ValvePatch& start) {
+                          const ValvePatch& start, const std::optional<Vec3>& usual_mm) {
   using enum Region;
-  ValvePatch valve = find_pulmonary_valve(chambers, image, right.faint, start);
+  ValvePatch valve = find_pulmonary_valve(chambers, image, right.faint, start, usual_mm);
   if (right.faint)
     divide_at_plane(chambers, rv_blood, pulmonary_artery, valve.centre_mm, valve.normal);
   else
@@ -107,11 +128,9 @@ ValvePatch find_pulmonary(LabelVolume& chambers, const WorkingImage& image, cons
 }
 
 /// The tricuspid valve of a right heart full of streaks, in the groove; where the flood parted it, if there is none.
-void find_tricuspid_in_streaks(LabelVolume& chambers, const WorkingImage& image, const LongAxis& axis, double muscle_hu,
-                               std::map<std::string, ValvePatch>& valves) {
+void find_tricuspid_in_streaks(LabelVolume& chambers, const WorkingImage& image, double muscle_hu,
+                               const ValvePatch& usual, std::map<std::string, ValvePatch>& valves) {
   using enum Region;
-  if (!valves.contains("mitral") || !valves.contains("aortic")) return;
-  const ValvePatch usual = usual_tricuspid(valves.at("mitral"), valves.at("aortic"), axis);
   auto valve = narrowest_tricuspid(chambers, image.hu, muscle_hu, usual);
   if (!valve) return;
   settle(chambers, rv_blood, ra_blood, *valve);
@@ -133,12 +152,19 @@ std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const Worki
   add("pulmonary", rv_blood, pulmonary_artery);
   if (valves.contains("aortic")) straighten_aortic(chambers, valves.at("aortic"));
   if (valves.contains("mitral")) tighten(chambers, lv_blood, la_blood, 1, valves.at("mitral"));
-  if (right.streaks)
-    find_tricuspid_in_streaks(chambers, image, axis, right.muscle_hu, valves);
-  else if (valves.contains("tricuspid"))
-    valves.at("tricuspid") = find_tricuspid(chambers, image, right, valves.at("tricuspid"));
+  std::optional<ValvePatch> usual;
+  std::optional<Vec3> usual_pulmonary;
+  if (valves.contains("mitral") && valves.contains("aortic")) {
+    usual = usual_tricuspid(valves.at("mitral"), valves.at("aortic"), axis);
+    usual_pulmonary = usual_pulmonary_mm(valves.at("mitral"), valves.at("aortic"), axis);
+  }
+  if (right.streaks) {
+    if (usual) find_tricuspid_in_streaks(chambers, image, right.muscle_hu, *usual, valves);
+  } else if (valves.contains("tricuspid")) {
+    valves.at("tricuspid") = find_tricuspid(chambers, image, right, valves.at("tricuspid"), usual);
+  }
   if (valves.contains("pulmonary"))
-    valves.at("pulmonary") = find_pulmonary(chambers, image, right, valves.at("pulmonary"));
+    valves.at("pulmonary") = find_pulmonary(chambers, image, right, valves.at("pulmonary"), usual_pulmonary);
   return valves;
 }
 

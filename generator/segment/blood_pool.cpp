@@ -15,6 +15,7 @@
 #include "generator/segment/hounsfield.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/seeds.hpp"
+#include "generator/segment/typical_grey.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {
@@ -38,7 +39,7 @@ Mask above(const Volume<float>& image, double threshold) {
   return result;
 }
 
-/// Median grey value of the soft tissue 3 to 7 mm outside the left ventricle's blood near its seed, on the side away
+/// Typical grey value of the soft tissue 2 to 6 mm outside the left ventricle's blood near its seed, on the side away
 /// from the right heart, whose blood may be as dark as to be taken for muscle; on all sides where too little is left.
 double muscle_shell_hu(const Volume<float>& image, const Landmarks& landmarks, double soft_hu, double lv_hu) {
   constexpr double reach_mm = 45;
@@ -52,7 +53,7 @@ double muscle_shell_hu(const Volume<float>& image, const Landmarks& landmarks, d
   std::vector<float> away, all;
   const auto add = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     const float grey = part(i, j, k), distance_mm = distance(i, j, k);
-    if (!(distance_mm > 3 && distance_mm < 7 && grey > 0 && static_cast<double>(grey) < threshold)) return;
+    if (!(distance_mm > 2 && distance_mm < 6 && grey > 0 && static_cast<double>(grey) < threshold)) return;
     const Vec3 index{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
     all.push_back(grey);
     if (dot(lps_from_index(part.grid, index) - lv, to_right) < 0) away.push_back(grey);
@@ -63,9 +64,7 @@ double muscle_shell_hu(const Volume<float>& image, const Landmarks& landmarks, d
       for (std::int64_t i = 0; i < size[0]; ++i) add(i, j, k);
   auto& values = away.size() < least_voxels ? all : away;
   if (values.size() < least_voxels) return soft_hu;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return std::min(static_cast<double>(*middle), threshold);
+  return std::min(typical_grey(values, muscle_window_hu), threshold);
 }
 
 /// Grey value of the nearest deep blood (the mean of the deep blood around, so without partial volumes) as a byte of

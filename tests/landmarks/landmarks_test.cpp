@@ -99,6 +99,54 @@ TEST(FindLandmarks, FindsARightHeartDarkerThanItsMuscle) {
                           [](const std::string& warning) { return warning.find("darker") != std::string::npos; }));
 }
 
+/// Poses, walls and sizes that no variant has.
+struct Unusual {
+  const char* name;
+  int variant;
+  datasets::HeartOverrides heart;
+  double noise_hu;
+  std::map<std::string, double> farthest_mm;  ///< of a valve from the truth
+  bool faint = false;                         ///< a right heart that must be told to be as grey as muscle
+};
+
+class OnUnusualHeart : public ::testing::TestWithParam<Unusual> {};
+
+TEST_P(OnUnusualHeart, ValvesAreNearTheTruth) {
+  datasets::PhantomSettings settings;
+  settings.variant = GetParam().variant;
+  settings.overrides = GetParam().heart;
+  settings.noise_hu = GetParam().noise_hu;
+  settings.size = {164, 164, 122};
+  settings.spacing_mm = {2.2, 2.2, 2.5};
+  settings.companions = settings.fibers = false;
+  const auto p = datasets::make_phantom(settings);
+  const FoundLandmarks found = find_landmarks(p.ct);
+  for (const auto& [name, farthest_mm] : GetParam().farthest_mm) {
+    ASSERT_TRUE(found.landmarks.valves.contains(name)) << name;
+    EXPECT_LT(norm(found.landmarks.valves.at(name).center_mm - p.landmarks.valves.at(name).center_mm), farthest_mm)
+        << name;
+  }
+  for (const std::string& warning : found.warnings) {
+    EXPECT_EQ(warning.find("spine"), std::string::npos) << warning;
+    EXPECT_EQ(warning.find("tricuspid valve is"), std::string::npos) << warning;
+  }
+  EXPECT_EQ(GetParam().faint, std::any_of(found.warnings.begin(), found.warnings.end(), [](const auto& warning) {
+              return warning.starts_with("the right heart's blood is only");
+            }));
+}
+
+// A fold of the squeezed right ventricle is as tight as its valve, or tighter; the large heart's aorta is as
+// bright and as wide as the spine beside it; the large dark right ventricle shows no wall where its artery begins; most
+// of what lies near the thin left ventricle is no muscle, and makes muscle look darker than right blood.
+INSTANTIATE_TEST_SUITE_P(
+    Hearts, OnUnusualHeart,
+    ::testing::Values(Unusual{"thick", 0, {16, {}, {}, {}}, 22, {{"tricuspid", 4}}},
+                      Unusual{"squeezed", 11, {15.5, 5, 0.91, Vec3{-17, -2, -11}}, 22, {{"tricuspid", 4}}},
+                      Unusual{"large", 3, {{}, {}, 1.25, {}}, 22, {{"tricuspid", 4}, {"aortic", 4}}},
+                      Unusual{"dark", 57, {7.1, 5.2, 1.15, Vec3{10, 13, 17}}, 4, {{"pulmonary", 12}}, true},
+                      Unusual{"thin", 4, {6, {}, 1.15, {}}, 10, {{"tricuspid", 4}}, true}),
+    [](const auto& test) { return std::string(test.param.name); });
+
 bool operator==(const ValvePlane& a, const ValvePlane& b) {
   return a.center_mm == b.center_mm && a.normal == b.normal && a.radius_mm == b.radius_mm;
 }

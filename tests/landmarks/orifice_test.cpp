@@ -10,7 +10,7 @@
 #include "datasets/phantom/anatomy.hpp"
 #include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/statistics.hpp"
-#include "generator/landmarks/usual_tricuspid.hpp"
+#include "generator/landmarks/usual_valves.hpp"
 #include "generator/landmarks/working_image.hpp"
 #include "support/noise.hpp"
 

@@ -68,7 +68,7 @@ TEST_P(PulmonaryValve, OfAFaintHeartIsWhereTheWallChangesBetweenSections) {
   const Scene scene = make_scene(GetParam(), 12);
   ValvePatch parted;
   parted.normal = axis;
-  const auto valve = find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted);
+  const auto valve = find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted, std::nullopt);
   EXPECT_NEAR(dot(valve.centre_mm, axis), GetParam(), 0.6);  // sections are 2 mm apart
   EXPECT_GT(dot(valve.normal, axis), std::cos(0.08));
 }

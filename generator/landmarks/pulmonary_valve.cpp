@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "generator/landmarks/sections.hpp"
@@ -155,17 +156,25 @@ std::size_t muscle_begins(const std::vector<Station>& stations) {
 
 constexpr std::size_t window = 3;  // stations on either side of a rise
 
-/// The number of stations before the sharpest rise of the wall's grey value between 6 mm downstream and 6 mm upstream;
-/// 0 where it nowhere rises by 4 HU.
-std::size_t wall_brightens(const std::vector<Station>& stations) {
+/// Up to 1: in known hearts the valve lies within 16 mm of the usual place.
+double plausibility(const Vec3& valve_mm, const std::optional<Vec3>& usual_mm) {
+  constexpr double deviation_mm = 15;
+  const double off = usual_mm ? norm(valve_mm - *usual_mm) / deviation_mm : 0;
+  return std::exp(-0.5 * off * off);
+}
+
+/// The number of stations before the sharpest plausible rise of the wall's grey value between 6 mm downstream and 6 mm
+/// upstream; 0 where it nowhere rises by 4 HU. It rises beside the bifurcation as well, where neighbours are seen.
+std::size_t wall_brightens(const std::vector<Station>& stations, const std::optional<Vec3>& usual_mm) {
   constexpr double least_rise_hu = 4;
   std::size_t best = 0;
-  double sharpest = least_rise_hu * window;
+  double sharpest = 0;
   for (std::size_t cut = window; cut + window <= stations.size(); ++cut) {
     double rise = 0;
     for (std::size_t n = 0; n < window; ++n) rise += stations[cut + n].muscle - stations[cut - 1 - n].muscle;
-    if (rise <= sharpest) continue;
-    sharpest = rise;
+    const double plausible_rise = rise * plausibility(stations[cut].section.centre_mm, usual_mm);
+    if (rise <= least_rise_hu * window || plausible_rise <= sharpest) continue;
+    sharpest = plausible_rise;
     best = cut;
   }
   return best;
@@ -222,7 +231,7 @@ ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage&
                                 const std::optional<Vec3>& usual_mm) {
   const Scenery scenery = make_scenery(chambers, image, faint);
   const auto stations = first_long_walk(scenery, start);
-  const std::size_t first_muscle = faint ? wall_brightens(stations) : muscle_begins(stations);
+  const std::size_t first_muscle = faint ? wall_brightens(stations, usual_mm) : muscle_begins(stations);
   if (first_muscle == 0) return end_of_walk_or_start(stations, start, usual_mm);
   if (faint) return valve_where_wall_brightens(stations, first_muscle, start);
   ValvePatch valve = start;

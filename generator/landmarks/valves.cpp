@@ -86,12 +86,13 @@ bool lies_as_usual(const ValvePatch& valve, const ValvePatch& usual) {
          angle_deg(valve.normal, usual.normal) <= most_turned_deg;
 }
 
-/// The tighter of the planes near the flood's border and near the usual place. In a crooked or crowded heart a fold of
-/// the ventricle may be nearer to the flood's border than the valve is, and as tight.
+/// The tightest plane near the flood's border, or near the usual place if that is clearly tighter. In a crooked or
+/// crowded heart a fold of the ventricle may be nearer to the flood's border than the valve is, and as tight.
 ValvePatch tightest_tricuspid(const LabelVolume& chambers, const ValvePatch& start,
                               const std::optional<ValvePatch>& usual) {
   using enum Region;
   constexpr int rounds = 3;
+  constexpr double clearly_tighter = 0.9;
   ValvePatch from_flood = start;
   tighten(chambers, rv_blood, ra_blood, rounds, from_flood);
   if (!usual) return from_flood;
@@ -99,7 +100,7 @@ ValvePatch tightest_tricuspid(const LabelVolume& chambers, const ValvePatch& sta
   tighten(chambers, rv_blood, ra_blood, rounds, from_usual);
   const bool flood_is_usual = lies_as_usual(from_flood, *usual);
   if (flood_is_usual != lies_as_usual(from_usual, *usual)) return flood_is_usual ? from_flood : from_usual;
-  return from_usual.diameter_mm < from_flood.diameter_mm ? from_usual : from_flood;
+  return from_usual.diameter_mm < clearly_tighter * from_flood.diameter_mm ? from_usual : from_flood;
 }
 
 /// The tricuspid valve; `start` is where the flood parted atrium and ventricle, up to 15 mm below the valve.

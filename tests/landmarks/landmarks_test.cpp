@@ -135,9 +135,9 @@ TEST_P(OnUnusualHeart, ValvesAreNearTheTruth) {
             }));
 }
 
-// A fold of the squeezed right ventricle is as tight as its valve, or tighter; the large heart's aorta is as
-// bright and as wide as the spine beside it; the large dark right ventricle shows no wall where its artery begins; most
-// of what lies near the thin left ventricle is no muscle, and makes muscle look darker than right blood.
+// A fold of the squeezed right ventricle is as tight as its valve, or tighter; the large heart's aorta is as bright and
+// as wide as the spine beside it; the large dark right ventricle shows no wall where its artery begins; most of what
+// lies near the thin left ventricle is no muscle, and makes muscle look darker than right blood.
 INSTANTIATE_TEST_SUITE_P(
     Hearts, OnUnusualHeart,
     ::testing::Values(Unusual{"thick", 0, {16, {}, {}, {}}, 22, {{"tricuspid", 4}}},

@@ -22,9 +22,12 @@ const Vec3 axis = normalized({0.35, 0.2, 1});
 
 double radial_mm(const Vec3& p) { return norm(p - dot(p, axis) * axis); }
 
-/// A straight tube in fat, the artery downstream of the valve.
-double hu_at(const Vec3& p, double valve_mm) {
+/// A straight tube in fat, the artery downstream of the valve; where asked for, something bright lies around the artery
+/// from 8 to 16 mm.
+double hu_at(const Vec3& p, double valve_mm, bool collar) {
+  constexpr double collar_hu = 200;
   const double outside_mm = radial_mm(p) - radius_mm;
+  if (collar && outside_mm >= 0 && outside_mm < muscle_mm && std::abs(dot(p, axis) - 12) < 4) return collar_hu;
   if (outside_mm < 0) return blood_hu;
   if (dot(p, axis) < valve_mm) return outside_mm < muscle_mm ? muscle_hu : fat_hu;
   return outside_mm < vessel_mm ? vessel_hu : fat_hu;
@@ -37,7 +40,7 @@ struct Scene {
 };
 
 /// Of the middle of 27 points a voxel, and noise; the pools are parted in the middle.
-Scene make_scene(double valve_mm, double noise_hu) {
+Scene make_scene(double valve_mm, double noise_hu, bool collar = false) {
   Grid grid;
   grid.size = {32, 32, 48};
   grid.spacing_mm = {working_spacing_mm, working_spacing_mm, working_spacing_mm};
@@ -49,7 +52,7 @@ Scene make_scene(double valve_mm, double noise_hu) {
     const double noise = testing::noise(bits);
     for (int part = 0; part < 27; ++part) {
       const int a = part % 3 - 1, b = part / 3 % 3 - 1, c = part / 9 - 1;
-      sum += hu_at(p + Vec3{0.5 * a, 0.5 * b, 0.5 * c}, valve_mm);
+      sum += hu_at(p + Vec3{0.5 * a, 0.5 * b, 0.5 * c}, valve_mm, collar);
     }
     scene.image.hu.voxels[v] = static_cast<float>(sum / 27 + noise_hu * noise);
     if (radial_mm(p) < radius_mm)
@@ -62,9 +65,9 @@ Scene make_scene(double valve_mm, double noise_hu) {
   return scene;
 }
 
-class PulmonaryValve : public ::testing::TestWithParam<double> {};
+class PulmonaryValveAt : public ::testing::TestWithParam<double> {};
 
-TEST_P(PulmonaryValve, OfAFaintHeartIsWhereTheWallChangesBetweenSections) {
+TEST_P(PulmonaryValveAt, OfAFaintHeartIsWhereTheWallChangesBetweenSections) {
   const Scene scene = make_scene(GetParam(), 12);
   ValvePatch parted;
   parted.normal = axis;
@@ -73,7 +76,33 @@ TEST_P(PulmonaryValve, OfAFaintHeartIsWhereTheWallChangesBetweenSections) {
   EXPECT_GT(dot(valve.normal, axis), std::cos(0.08));
 }
 
-INSTANTIATE_TEST_SUITE_P(AtManyHeights, PulmonaryValve, ::testing::Values(-9.0, -8.5, -8.0, -7.5, -4.3, 3.1));
+INSTANTIATE_TEST_SUITE_P(AtManyHeights, PulmonaryValveAt, ::testing::Values(-9.0, -8.5, -8.0, -7.5, -4.3, 3.1));
+
+TEST(PulmonaryValve, WhatLiesBesideTheArteryFarFromTheUsualPlaceIsNoValve) {
+  constexpr double valve_mm = -8;
+  const Scene scene = make_scene(valve_mm, 0, true);
+  ValvePatch parted;
+  parted.centre_mm = 12.0 * axis;
+  parted.normal = axis;
+  const auto found_mm = [&](const std::optional<Vec3>& usual_mm) {
+    return dot(find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted, usual_mm).centre_mm, axis);
+  };
+  EXPECT_GT(found_mm(std::nullopt), 10);  // the bright thing's edge is the sharper one
+  EXPECT_NEAR(found_mm((valve_mm - 10) * axis), valve_mm, 1.5);
+}
+
+/// The whole tube has the artery's wall.
+TEST(PulmonaryValve, WhereNoWallTellsTheNearerToTheUsualPlaceCounts) {
+  const Scene scene = make_scene(-1000, 0);
+  ValvePatch parted;
+  parted.normal = axis;
+  const auto found_mm = [&](const std::optional<Vec3>& usual_mm) {
+    return dot(find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted, usual_mm).centre_mm, axis);
+  };
+  EXPECT_EQ(found_mm(std::nullopt), 0);
+  EXPECT_EQ(found_mm(5.0 * axis), 0);
+  EXPECT_LT(found_mm(-30.0 * axis), -15);
+}
 
 }  // namespace
 }  // namespace heart::landmarks

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <optional>
 
-#include "generator/landmarks/convex_slices.hpp"
 #include "generator/landmarks/slices.hpp"
 #include "generator/landmarks/spine.hpp"
 #include "generator/landmarks/statistics.hpp"
 #include "generator/segment/components.hpp"
+#include "generator/segment/convex_slices.hpp"
 #include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
 
@@ -78,7 +78,7 @@ Thorax find_thorax(const Volume<float>& image) {
   for (std::int64_t k = 0; k < image.grid.size[2]; ++k) mark_lung_slice(image, k, air);
   Thorax thorax;
   thorax.lung = two_largest(segment::open(air, opening_mm));
-  const Mask hull = convex_slices(thorax.lung, chest_slice_mm2);
+  const Mask hull = segment::convex_slices(thorax.lung, chest_slice_mm2);
   if (segment::count(hull) == 0)
     throw UserError("no lungs are in the image: the heart cannot be found without them", "landmarks",
                     "give the seeds lv_blood, rv_blood, la_blood, ra_blood and the valve planes by hand");

@@ -5,10 +5,12 @@
 #include <cmath>
 
 #include "generator/parallel/threads.hpp"
+#include "generator/segment/chest_wall.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/faint_blood.hpp"
 #include "generator/segment/flood.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "generator/segment/morphology.hpp"
 #include "generator/segment/muscle_bundles.hpp"
 #include "generator/segment/right_partition.hpp"
 #include "generator/segment/seeds.hpp"
@@ -117,6 +119,16 @@ void add_elsewhere(const Mask& cavity, const Volume<float>& depth, std::vector<M
     }
 }
 
+/// A right heart that lies against the chest wall without fat between them must not run out into it.
+void add_chest_wall(const Mask& cavity, const Volume<float>& smooth, std::vector<Marker>& markers) {
+  const Mask wall = intersect(cavity, beyond_the_lungs(lungs_of(smooth)));
+  const auto& size = wall.grid.size;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i)
+        if (wall(i, j, k)) markers.push_back({elsewhere, {i, j, k}});
+}
+
 /// The cavities of the right heart as far as usual walls tell, each with its tag.
 LabelVolume usual_right_heart(const Volume<float>& space, const Scene& scene, const Landmarks& landmarks) {
   const Mask cavity = mask_where(space.grid, [&](std::size_t v) { return space.voxels[v] > 0; });
@@ -132,6 +144,7 @@ LabelVolume usual_right_heart(const Volume<float>& space, const Scene& scene, co
                                                  "soft tissue that may be the right heart's blood")});
   }
   add_elsewhere(cavity, depth, markers);
+  add_chest_wall(cavity, scene.smooth, markers);
   LabelVolume labels =
       flood_from_markers(cavity, depth, markers, valve_barrier(space.grid, landmarks, working_spacing_mm));
   std::replace(labels.voxels.begin(), labels.voxels.end(), elsewhere, std::uint8_t{0});

@@ -1,4 +1,4 @@
-// The pieces of the search that have a closed form: basins, contacts, sections, statistics, convex slices.
+// The pieces of the search that have a closed form: basins, contacts, sections, statistics.
 #include "generator/landmarks/basins.hpp"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "generator/landmarks/contact.hpp"
-#include "generator/landmarks/convex_slices.hpp"
 #include "generator/landmarks/divide_at_plane.hpp"
 #include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/statistics.hpp"
@@ -113,17 +112,6 @@ TEST(Statistics, PrincipalAxesOfALine) {
   EXPECT_NEAR(std::abs(dot(axes.axis[0], normalized({1, 2, -2}))), 1, 1e-12);
   EXPECT_NEAR(axes.deviation[0], 3 * std::sqrt(10.0), 1e-9);
   EXPECT_NEAR(axes.deviation[2], 0, 1e-6);
-}
-
-TEST(ConvexSlices, FillTheHullOfEverySlice) {
-  Mask mask(box_of(20, 20, 2));
-  mask(2, 2, 0) = mask(17, 2, 0) = mask(2, 17, 0) = 1;
-  const Mask hull = convex_slices(mask, 0);
-  for (std::int64_t j = 0; j < 20; ++j)
-    for (std::int64_t i = 0; i < 20; ++i) {
-      EXPECT_EQ(hull(i, j, 0) != 0, i >= 2 && j >= 2 && i + j <= 19) << i << ' ' << j;
-      EXPECT_EQ(hull(i, j, 1), 0);
-    }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "generator/segment/components.hpp"
+#include "generator/segment/distance.hpp"
 #include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
 #include "segment/toy_heart.hpp"
@@ -65,6 +66,32 @@ TEST_P(FaintRightHeart, IsFoundBesideTheLeftOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Contrasts, FaintRightHeart, ::testing::Values(70, 110, 150));
+
+/// The heart's fat within 4 mm, lungs around it, and a plate of muscle before them that the right ventricle's wall
+/// touches; air of the room before that.
+void put_into_chest(ToyHeart& heart) {
+  constexpr double touch_mm = -17, skin_mm = -27, fat_mm = 4;
+  Mask structures(heart.ct.grid);
+  for (std::size_t v = 0; v < structures.voxels.size(); ++v) structures.voxels[v] = heart.truth.voxels[v] != 0;
+  const Volume<float> off = distance_to(structures);
+  for (std::size_t v = 0; v < structures.voxels.size(); ++v) {
+    const Vec3 p = testing::lps_of_voxel(heart.ct.grid, static_cast<std::int64_t>(v));
+    if (p.y < skin_mm)
+      heart.ct.voxels[v] = -1000;
+    else if (p.y < touch_mm && heart.truth.voxels[v] == 0)
+      heart.ct.voxels[v] = 110;
+    else if (static_cast<double>(off.voxels[v]) > fat_mm)
+      heart.ct.voxels[v] = -850;
+  }
+}
+
+TEST_P(FaintRightHeart, DoesNotRunOutIntoTheChestWall) {
+  ToyHeart heart = toy_heart({.left_hu = 420, .right_hu = GetParam(), .noise_hu = 15});
+  put_into_chest(heart);
+  const auto labels = chambers_of(heart);
+  EXPECT_GT(dice(labels, heart.truth, Region::rv_blood), 0.8);
+  EXPECT_GT(dice(labels, heart.truth, Region::ra_blood), 0.93);
+}
 
 TEST(Chambers, TheWholeAortaIsKeptWhereItsLengthIsZero) {
   const ToyHeart heart = toy_heart();

@@ -1,9 +1,9 @@
-#include "generator/landmarks/convex_slices.hpp"
+#include "generator/segment/convex_slices.hpp"
 
 #include <cmath>
 #include <vector>
 
-namespace heart::landmarks {
+namespace heart::segment {
 namespace {
 
 struct RowEnd {
@@ -70,4 +70,4 @@ Mask convex_slices(const Mask& mask, double smallest_mm2) {
   return result;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heart::segment

@@ -1,10 +1,10 @@
-// Private to this folder: the convex hull of a mask in each slice.
+// The convex hull of a mask in each slice.
 #pragma once
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heart::segment {
 
 /// Fills the convex hull of every slice (constant k) with at least `smallest_mm2` of mask; other slices stay empty.
 Mask convex_slices(const Mask& mask, double smallest_mm2);
 
-}  // namespace heart::landmarks
+}  // namespace heart::segment

@@ -42,6 +42,7 @@ struct Scene {
   Mask region;  ///< where heart blood may be
   Spine spine;
   Contrast contrast;
+  std::size_t ventricle_choice = 0;
 };
 
 /// Voxels within a heart's reach and a little more.
@@ -80,7 +81,7 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   const Mask blood = heart_blood(crop(all_blood, box), crop(scene.region, box), centre);
   const auto basins = divide_at_constrictions(blood);
   const auto pools = measure_pools(chambers.image, basins, scene.contrast, scene.spine, centre);
-  const auto left = find_left_heart(basins, pools, scene.spine);
+  const auto left = find_left_heart(basins, pools, scene.spine, scene.ventricle_choice);
   if (!left) return std::nullopt;
   const auto right = find_right_heart(basins, pools, *left);
   chambers.labels = label_map(basins, assign_basins(basins, pools, *left, right));
@@ -153,13 +154,14 @@ struct Subject {
   Volume<float> coarse;
   Thorax thorax;
   double bright_hu = 0;
-  bool slanted = false;  ///< by the header
+  std::size_t ventricle_choice = 0;  ///< 0: what looks most like a left ventricle
+  bool slanted = false;              ///< by the header
 };
 
 Scene set_scene(const Subject& subject, const Spine& spine) {
   const Mask chest = refined(subject.thorax.chest, subject.image.hu.grid);
   const auto box = bounding_box(chest, 0, [](std::uint8_t set) { return set != 0; });
-  Scene scene{crop(subject.image, box), crop(chest, box), spine, {}};
+  Scene scene{crop(subject.image, box), crop(chest, box), spine, {}, subject.ventricle_choice};
   scene.contrast = measure_contrast(scene.image, scene.region, spine, subject.bright_hu);
   scene.region = without_spine(scene.region, spine);
   return scene;
@@ -208,26 +210,38 @@ double midway_hu(const Subject& subject) {
 }
 
 /// The whole image's threshold is low where its bone or contrast is: muscle then joins the chambers, and something else
-/// is taken for the left ventricle. What does not look like a heart is therefore searched for again, with a threshold
-/// between muscle and blood, and the more plausible result counts.
-SearchResult search_twice(Subject& subject) {
+/// is taken for the left ventricle. So is a right ventricle with the thicker wall. What does not look like a heart is
+/// therefore searched for again, with a threshold between muscle and blood and from the next best ventricle, and the
+/// most plausible result counts.
+SearchResult search_until_plausible(Subject& subject) {
   constexpr double plausible = 0.4;  // a right heart as grey as muscle and a valve hidden in noise leave .42
-  SearchResult first;
+  std::optional<SearchResult> best;
   std::exception_ptr refused;
+  const auto attempt = [&] {
+    SearchResult result = search_in(subject);
+    if (!best || result.found.confidence > best->found.confidence) best = std::move(result);
+  };
+  const auto attempt_again = [&](double bright_hu, std::size_t ventricle_choice) {
+    if (best && best->found.confidence >= plausible) return;
+    subject.bright_hu = bright_hu;
+    subject.ventricle_choice = ventricle_choice;
+    try {
+      attempt();
+    } catch (const UserError&) {  // the first result, or its refusal, tells more
+    }
+  };
   try {
-    first = search_in(subject);
-    if (first.found.confidence >= plausible) return first;
+    attempt();
+    if (best->found.confidence >= plausible) return std::move(*best);
   } catch (const NotAHeart&) {
     refused = std::current_exception();
   }
-  try {
-    subject.bright_hu = midway_hu(subject);
-    SearchResult second = search_in(subject);
-    if (refused || second.found.confidence > first.found.confidence) return second;
-  } catch (const UserError&) {  // the first result, or its refusal, tells more
-  }
-  if (refused) std::rethrow_exception(refused);
-  return first;
+  const double whole_image_hu = subject.bright_hu, between_hu = midway_hu(subject);
+  attempt_again(between_hu, 0);
+  if (!best) std::rethrow_exception(refused);  // mirrored images are refused, whatever else might do for a ventricle
+  attempt_again(whole_image_hu, 1);
+  attempt_again(between_hu, 1);
+  return std::move(*best);
 }
 
 Subject make_subject(const CtVolume& ct) {
@@ -260,7 +274,7 @@ SearchResult search(const CtVolume& ct) {
     Subject subject = make_subject(ct);
     subject.slanted = slanted;
     back_is_cut = subject.thorax.back_is_cut;
-    auto result = search_twice(subject);
+    auto result = search_until_plausible(subject);
     auto& warnings = result.found.warnings;
     if (slanted && !warnings.empty())
       warnings.insert(warnings.begin(), slant_remark(slant) + ": is that true of the patient?");

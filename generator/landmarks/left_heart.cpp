@@ -146,10 +146,12 @@ bool is_descending_aorta(const Pool& pool, const Pool& atrium, const Spine& spin
 
 }  // namespace
 
-std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine) {
+std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine,
+                                         std::size_t choice) {
   const auto candidates = candidates_by_score(pools);
+  if (choice >= candidates.size()) return std::nullopt;
   LeftHeart heart;
-  heart.ventricle = {candidates.front()};
+  heart.ventricle = {candidates[choice]};
   grow_ventricle(basins, pools, heart.ventricle);
   auto neighbours = neighbours_of_ventricle(basins, pools, heart.ventricle);
   if (is_apex_alone(pools, neighbours)) {
@@ -163,6 +165,7 @@ std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pool
     if (!contains(heart.ventricle, other))
       heart.certainty = std::min(
           heart.certainty, 1 - ventricle_score(pools.at(other)) / ventricle_score(pools.at(heart.ventricle.front())));
+  heart.certainty = std::max(heart.certainty, 0.0);
   const auto vote = [&](std::int32_t label) { return aorta_vote(basins, pools, label, spine, heart.ventricle); };
   const bool first_is_aorta = vote(neighbours[0]) >= vote(neighbours[1]);
   heart.aorta = neighbours[first_is_aorta ? 0 : 1];

@@ -10,12 +10,14 @@ struct LeftHeart {
   std::vector<std::int32_t> ventricle;  ///< the main basin first
   std::int32_t atrium = 0, aorta = 0;
   std::vector<std::int32_t> descending_aorta;
-  double certainty = 0;  ///< 1 minus the score of the second best ventricle relative to the best
+  double certainty = 0;  ///< 1 minus the score of the second best ventricle relative to it, at least 0
 };
 
 /// The ventricle is the basin in a shell of muscle, left of the spine; atrium and aorta are its two widest
-/// neighbours. Large papillary muscles can part its apex from its base: they are put together. Nothing where the
-/// ventricle has fewer than two. Throws UserError where no basin has a muscular shell.
-std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine);
+/// neighbours. Large papillary muscles can part its apex from its base: they are put together. `choice` 0 is the basin
+/// that looks most like a left ventricle, 1 the next. Nothing where there is no such basin, or where it has fewer than
+/// two neighbours. Throws UserError where no basin has a muscular shell.
+std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine,
+                                         std::size_t choice = 0);
 
 }  // namespace heart::landmarks

@@ -18,13 +18,15 @@ constexpr std::size_t enough_stations = 6;
 constexpr double most_widening = 1.5;  // over the narrowest section so far: the ventricle's body begins
 constexpr double longest_jump_mm = 6;  // of the section's centre: it slipped into another branch
 constexpr double search_mm = 6;
+constexpr double turn = 0.3;                            // share of the new direction per step
 constexpr double ring_from_mm = 2.5, ring_to_mm = 5.5;  // outside the blood: the wall of an outflow tract
 constexpr float least_muscle_hu = 20, most_muscle_hu = 180;
 
 struct Station {
   Section section;
-  Vec3 normal;        ///< downstream
-  double muscle = 0;  ///< in its wall: a share, or the wall's grey value
+  Vec3 normal;         ///< downstream
+  double muscle = 0;   ///< in its wall: a share, or the wall's grey value
+  double beneath = 0;  ///< what lies beneath the wall is brighter by this, HU: blood, or muscle of a thick wall
 };
 
 /// What the walk looks at.
@@ -73,28 +75,40 @@ double muscle_around(const Scenery& scenery, const Section& section, const Vec3&
   return ring > 0 ? muscle / ring : 0;
 }
 
-/// Mean grey value of the outermost 2 mm of tissue around a section, away from the left heart.
-double wall_hu(const Scenery& scenery, const Section& section, const Vec3& normal) {
+/// Mean grey values of the two outermost layers of tissue around a section, each two voxels thick, away from the left
+/// heart.
+struct WallLayers {
+  double outermost_hu = 0, beneath_hu = 0;
+};
+
+WallLayers wall_layers(const Scenery& scenery, const Section& section, const Vec3& normal) {
   constexpr double beyond_mm = 8, off_left_mm = 5;
-  constexpr float outermost_mm = 2.2F;  // two voxels
+  constexpr float layer_mm = 2.2F;
   const auto& walls = scenery.faint->walls;
-  double voxels = 0, sum = 0;
+  std::array<double, 2> voxels{}, sum{};
   for (const double along_mm : {-1.5, 0.0, 1.5}) {
     const Section beside{section.area_mm2, section.centre_mm + along_mm * normal};
     for_each_voxel_around(scenery.chambers.grid, beside, normal, beyond_mm, [&](std::size_t v) {
       const float outside = walls.from_outside.voxels[v];
-      if (outside <= 0 || outside > outermost_mm || static_cast<double>(scenery.distance.voxels[v]) > beyond_mm) return;
+      if (outside <= 0 || outside > 2 * layer_mm || static_cast<double>(scenery.distance.voxels[v]) > beyond_mm) return;
       if (static_cast<double>(std::min(walls.from_other_left.voxels[v], walls.from_lv.voxels[v])) < off_left_mm) return;
-      voxels += 1;
-      sum += static_cast<double>(scenery.image.hu.voxels[v]);
+      const std::size_t layer = outside > layer_mm;
+      voxels[layer] += 1;
+      sum[layer] += static_cast<double>(scenery.image.hu.voxels[v]);
     });
   }
-  return voxels > 0 ? sum / voxels : 0;
+  const auto mean = [&](std::size_t layer) { return voxels[layer] > 0 ? sum[layer] / voxels[layer] : 0; };
+  return {mean(0), mean(1)};
+}
+
+Station station_at(const Scenery& scenery, const Section& section, const Vec3& normal) {
+  if (!scenery.faint) return {section, normal, muscle_around(scenery, section, normal), 0};
+  const WallLayers wall = wall_layers(scenery, section, normal);
+  return {section, normal, wall.outermost_hu, wall.beneath_hu - wall.outermost_hu};
 }
 
 /// Stations every 2 mm, from the artery upstream; the plane turns with the centre line.
 std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& start, double start_beyond_mm) {
-  constexpr double turn = 0.3;  // share of the new direction per step
   std::vector<Station> stations;
   Vec3 normal = start.normal, at = start.centre_mm + start_beyond_mm * normal;
   double narrowest = 1e9;
@@ -105,8 +119,7 @@ std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& sta
     const bool first = stations.empty();  // may lie in the bifurcation, beside the artery's centre line
     if (!first && norm(section->centre_mm - at) > longest_jump_mm) break;
     narrowest = std::min(narrowest, section->diameter_mm());
-    const double muscle = scenery.faint ? wall_hu(scenery, *section, normal) : muscle_around(scenery, *section, normal);
-    stations.push_back({*section, normal, muscle});
+    stations.push_back(station_at(scenery, *section, normal));
     if (stations.size() > 1) {
       const Vec3 line = normalized(stations[stations.size() - 2].section.centre_mm - section->centre_mm);
       normal = normalized((1 - turn) * normal + turn * line);
@@ -124,6 +137,46 @@ std::vector<Station> first_long_walk(const Scenery& scenery, const ValvePatch& s
     if (stations.size() >= enough_stations) break;
   }
   return stations;
+}
+
+/// Middle of the blood within a disc somewhat larger than the section.
+Vec3 blood_middle(const Scenery& scenery, const Section& section, const Vec3& normal) {
+  constexpr double pixel_mm = 1.5, larger = 1.2;
+  const PlaneFrame frame = frame_across(normal);
+  const double radius_mm = 0.5 * larger * section.diameter_mm();
+  const auto reach = static_cast<int>(radius_mm / pixel_mm);
+  Vec3 sum;
+  double pixels = 0;
+  for (int b = -reach; b <= reach; ++b)
+    for (int a = -reach; a <= reach; ++a) {
+      if (std::hypot(a, b) * pixel_mm > radius_mm) continue;
+      const Vec3 p = section.centre_mm + (a * pixel_mm) * frame.u + (b * pixel_mm) * frame.v;
+      const auto at = nearest_voxel(scenery.blood.grid, p);
+      if (!scenery.blood.grid.contains(at[0], at[1], at[2]) || scenery.blood(at[0], at[1], at[2]) == 0) continue;
+      sum += p;
+      pixels += 1;
+    }
+  return pixels > 0 ? sum / pixels : section.centre_mm;
+}
+
+/// Where the artery or the ventricle seems to hang together with tissue before it, such as a chest wall it touches,
+/// sections widen or slip long before the valve usually comes. These are left out, and the walk goes on through the
+/// middle of what lies within a disc, until it has passed the usual place.
+void go_on_within_a_disc(const Scenery& scenery, const Vec3& usual_mm, std::vector<Station>& stations) {
+  constexpr double early_mm = 2, beyond_mm = 12, slipped = 1.15;
+  const auto left_mm = [&] { return dot(stations.back().section.centre_mm - usual_mm, stations.back().normal); };
+  if (stations.size() < enough_stations || left_mm() < early_mm) return;
+  double narrowest = 1e9;
+  for (const Station& station : stations) narrowest = std::min(narrowest, station.section.diameter_mm());
+  while (stations.back().section.diameter_mm() > slipped * narrowest) stations.pop_back();
+  while (left_mm() > -beyond_mm) {
+    const Station& last = stations.back();
+    Section next{last.section.area_mm2, last.section.centre_mm - step_mm * last.normal};
+    next.centre_mm = blood_middle(scenery, next, last.normal);
+    const Vec3 normal =
+        normalized((1 - turn) * last.normal + turn * normalized(last.section.centre_mm - next.centre_mm));
+    stations.push_back(station_at(scenery, next, normal));
+  }
 }
 
 /// Where a step function fits the muscle shares from station `first` on best (least squares): the number of stations
@@ -164,14 +217,19 @@ double plausibility(const Vec3& valve_mm, const std::optional<Vec3>& usual_mm) {
 }
 
 /// The number of stations before the sharpest plausible rise of the wall's grey value between 6 mm downstream and 6 mm
-/// upstream; 0 where it nowhere rises by 4 HU. It rises beside the bifurcation as well, where neighbours are seen.
-std::size_t wall_brightens(const std::vector<Station>& stations, const std::optional<Vec3>& usual_mm) {
-  constexpr double least_rise_hu = 4;
+/// upstream; 0 where it nowhere rises by 4 HU. It rises beside the bifurcation as well, where neighbours are seen. The
+/// more contrast blood has with muscle, the more counts beside it how what lies beneath turns from blood to muscle:
+/// bright blood shows through the artery's thin wall, which then is no darker than the ventricle's.
+std::size_t wall_brightens(const std::vector<Station>& stations, double contrast_hu,
+                           const std::optional<Vec3>& usual_mm) {
+  constexpr double least_rise_hu = 4, full_contrast_hu = 40;
+  const double weight = std::clamp(contrast_hu / full_contrast_hu, -1.0, 1.0);
+  const auto told = [&](const Station& station) { return station.muscle - weight * station.beneath; };
   std::size_t best = 0;
   double sharpest = 0;
   for (std::size_t cut = window; cut + window <= stations.size(); ++cut) {
     double rise = 0;
-    for (std::size_t n = 0; n < window; ++n) rise += stations[cut + n].muscle - stations[cut - 1 - n].muscle;
+    for (std::size_t n = 0; n < window; ++n) rise += told(stations[cut + n]) - told(stations[cut - 1 - n]);
     const double plausible_rise = rise * plausibility(stations[cut].section.centre_mm, usual_mm);
     if (rise <= least_rise_hu * window || plausible_rise <= sharpest) continue;
     sharpest = plausible_rise;
@@ -230,8 +288,10 @@ ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage&
                                 const std::optional<FaintRightHeart>& faint, const ValvePatch& start,
                                 const std::optional<Vec3>& usual_mm) {
   const Scenery scenery = make_scenery(chambers, image, faint);
-  const auto stations = first_long_walk(scenery, start);
-  const std::size_t first_muscle = faint ? wall_brightens(stations, usual_mm) : muscle_begins(stations);
+  auto stations = first_long_walk(scenery, start);
+  if (faint && usual_mm) go_on_within_a_disc(scenery, *usual_mm, stations);
+  const std::size_t first_muscle =
+      faint ? wall_brightens(stations, faint->contrast.difference_hu(), usual_mm) : muscle_begins(stations);
   if (first_muscle == 0) return end_of_walk_or_start(stations, start, usual_mm);
   if (faint) return valve_where_wall_brightens(stations, first_muscle, start);
   ValvePatch valve = start;

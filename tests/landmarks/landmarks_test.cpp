@@ -137,14 +137,19 @@ TEST_P(OnUnusualHeart, ValvesAreNearTheTruth) {
 
 // A fold of the squeezed right ventricle is as tight as its valve, or tighter; the large heart's aorta is as bright and
 // as wide as the spine beside it; the large dark right ventricle shows no wall where its artery begins; most of what
-// lies near the thin left ventricle is no muscle, and makes muscle look darker than right blood.
+// lies near the thin left ventricle is no muscle, and makes muscle look darker than right blood; the artery that
+// touches the chest wall has no section of its own there; bright blood shows through the artery's wall; the strong
+// right ventricle's wall is thicker than the left one's.
 INSTANTIATE_TEST_SUITE_P(
     Hearts, OnUnusualHeart,
     ::testing::Values(Unusual{"thick", 0, {16, {}, {}, {}}, 22, {{"tricuspid", 4}}},
                       Unusual{"squeezed", 11, {15.5, 5, 0.91, Vec3{-17, -2, -11}}, 22, {{"tricuspid", 4}}},
                       Unusual{"large", 3, {{}, {}, 1.25, {}}, 22, {{"tricuspid", 4}, {"aortic", 4}}},
-                      Unusual{"dark", 57, {7.1, 5.2, 1.15, Vec3{10, 13, 17}}, 4, {{"pulmonary", 12}}, true},
-                      Unusual{"thin", 4, {6, {}, 1.15, {}}, 10, {{"tricuspid", 4}}, true}),
+                      Unusual{"dark", 57, {7.1, 5.2, 1.15, Vec3{10, 13, 17}}, 4, {{"pulmonary", 4}}, true},
+                      Unusual{"thin", 4, {6, {}, 1.15, {}}, 10, {{"tricuspid", 4}}, true},
+                      Unusual{"touching", 28, {5.9, 5.6, 1.09, Vec3{15, 5, 7}}, 22, {{"pulmonary", 4}}, true},
+                      Unusual{"bright", 51, {8, 5.8, 0.89, Vec3{-6, -2, -10}}, 22, {{"pulmonary", 4}}, true},
+                      Unusual{"strong", 46, {5.5, 6.5, 0.96, Vec3{-4, -20, 9}}, 14, {{"mitral", 4}, {"aortic", 4}}}),
     [](const auto& test) { return std::string(test.param.name); });
 
 bool operator==(const ValvePlane& a, const ValvePlane& b) {

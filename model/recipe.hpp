@@ -125,8 +125,8 @@ struct ChamberSettings {
   double close_trabeculae_mm = 0;     // closing of the blood pools; 0 keeps papillary muscles and trabeculae
   double minimum_component_ml = 0.1;  // smaller pieces of papillary muscle are wall
   double vein_stump_mm = 15;          // veins and appendages stay with their atrium this far from its wide part
-  double cava_stump_mm = 4;           // the inferior vena cava stays with the right atrium this far below its wide part
-  double papillary_closing_mm = 12;   // muscle in gaps of the LV's blood up to twice this wide (RV: once) is papillary
+  double cava_stump_radii = 1.5;  // venae cavae stay with the right atrium so many of their radii from where they open
+  double papillary_closing_mm = 12;  // muscle in gaps of the LV's blood up to twice this wide (RV: once) is papillary
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -139,8 +139,9 @@ struct ChamberSettings {
     v("close_trabeculae_mm", s.close_trabeculae_mm, "closing of the blood pools; 0 keeps trabeculae");
     v("minimum_component_ml", s.minimum_component_ml, "smaller pieces of papillary muscle are left to the wall");
     v("vein_stump_mm", s.vein_stump_mm, "veins and appendages stay with their atrium this far from its wide part");
-    v("cava_stump_mm", s.cava_stump_mm,
-      "the inferior vena cava stays with the right atrium this far below its wide part");
+    v("cava_stump_radii", s.cava_stump_radii,
+      "venae cavae stay with the right atrium so many of their radii beyond where they have opened to twice their "
+      "section");
     v("papillary_closing_mm", s.papillary_closing_mm,
       "muscle in gaps of the left ventricle's blood up to twice this wide, and of the right one's up to once, is "
       "papillary");

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/working_image.hpp"
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "generator/segment/sections.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -34,7 +34,7 @@ struct Pose {
 };
 
 Vec3 normal_of(const ValvePatch& start, const Pose& pose) {
-  const PlaneFrame frame = frame_across(start.normal);
+  const segment::PlaneFrame frame = segment::frame_across(start.normal);
   return normalized(start.normal + std::tan(pose.tilt_u_deg * degree) * frame.u +
                     std::tan(pose.tilt_v_deg * degree) * frame.v);
 }
@@ -62,7 +62,7 @@ struct Cut {
 };
 
 Cut cut_at(const FaintTissue& tissue, const Vec3& point, const Vec3& normal) {
-  const PlaneFrame frame = frame_across(normal);
+  const segment::PlaneFrame frame = segment::frame_across(normal);
   Cut cut;
   cut.row_sum.reserve(static_cast<std::size_t>(Cut::side) * static_cast<std::size_t>(Cut::side + 1));
   for (int b = -Cut::half; b <= Cut::half; ++b) {
@@ -108,7 +108,8 @@ Disc best_disc(const Cut& cut, double radius_step_mm, int step, double nats_per_
       for (int a = -reach; a <= reach; a += step) {
         const double across = std::hypot(a, b) * Cut::pixel_mm / across_slack_mm;
         const double penalty_nats = 0.5 * (unusual * unusual + across * across);
-        const double excess = excess_in(cut, a, b, radius_mm) - penalty_nats / (2 * nats_per_mm2 * section_pixel_mm2);
+        const double excess =
+            excess_in(cut, a, b, radius_mm) - penalty_nats / (2 * nats_per_mm2 * segment::section_pixel_mm2);
         if (excess > best.excess) best = {a, b, radius_mm, excess};
       }
   }
@@ -121,13 +122,13 @@ double gain_of(const FaintTissue& tissue, const ValvePatch& start, const Pose& p
   constexpr double search_mm = 9, least_mm2 = 300, nothing = -1e9, radius_step_mm = 2;
   constexpr int step = 2;
   const Vec3 point = point_of(start, pose), normal = normal_of(start, pose);
-  const auto points = section_points(tissue.open, point, normal, search_mm);
-  if (static_cast<double>(points.size()) * section_pixel_mm2 < least_mm2) return nothing;
+  const auto points = segment::section_points(tissue.open, point, normal, search_mm);
+  if (static_cast<double>(points.size()) * segment::section_pixel_mm2 < least_mm2) return nothing;
   double whole = 0;
   for (const Vec3& p : points) whole += static_cast<double>(value_at(tissue.excess, p));
   const Disc disc = best_disc(cut_at(tissue, point, normal), radius_step_mm, step, tissue.nats_per_mm2);
   const double off = std::pow(pose.shift_mm / shift_slack_mm, 2) + std::pow(pose.tilt_deg() / tilt_slack_deg, 2);
-  return 2 * (disc.excess - std::max(whole, 0.0)) * section_pixel_mm2 * tissue.nats_per_mm2 - 0.5 * off;
+  return 2 * (disc.excess - std::max(whole, 0.0)) * segment::section_pixel_mm2 * tissue.nats_per_mm2 - 0.5 * off;
 }
 
 std::vector<Pose> poses_around(const Pose& middle, double shift_step_mm, int shifts, double tilt_step_deg, int tilts) {
@@ -201,7 +202,7 @@ std::optional<ValvePatch> find_orifice(const FaintTissue& tissue, const ValvePat
   if (gain < least_nats) return std::nullopt;
   const Vec3 point = point_of(start, pose), normal = normal_of(start, pose);
   const Disc disc = best_disc(cut_at(tissue, point, normal), 0.5, 1, tissue.nats_per_mm2);
-  const PlaneFrame frame = frame_across(normal);
+  const segment::PlaneFrame frame = segment::frame_across(normal);
   ValvePatch patch;
   patch.centre_mm = point + (disc.a * Cut::pixel_mm) * frame.u + (disc.b * Cut::pixel_mm) * frame.v;
   patch.normal = normal;

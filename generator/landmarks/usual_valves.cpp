@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/working_image.hpp"
 #include "generator/segment/faint_blood.hpp"
+#include "generator/segment/sections.hpp"
 #include "model/labels.hpp"
 
 namespace heart::landmarks {
@@ -62,7 +62,7 @@ std::optional<ValvePatch> narrowest_tricuspid(const LabelVolume& chambers, const
   Volume<float> cavity = segment::usual_cavity(walls, Mask(hu.grid, 1));
   for (float& inside : cavity.voxels)  // 1 inside, 0 outside, half-way at the wall
     inside = std::clamp(inside / static_cast<float>(working_spacing_mm) + 0.5F, 0.0F, 1.0F);
-  const auto plane = tightest_plane(cavity, usual.centre_mm, usual.normal, reach_mm);
+  const auto plane = segment::tightest_plane(cavity, usual.centre_mm, usual.normal, reach_mm);
   if (!plane) return std::nullopt;
   ValvePatch valve = usual;
   valve.centre_mm = plane->section.centre_mm;

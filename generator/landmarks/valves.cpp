@@ -3,10 +3,10 @@
 #include "generator/landmarks/divide_at_plane.hpp"
 #include "generator/landmarks/orifice.hpp"
 #include "generator/landmarks/pulmonary_valve.hpp"
-#include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/statistics.hpp"
 #include "generator/landmarks/usual_valves.hpp"
 #include "generator/landmarks/working_image.hpp"
+#include "generator/segment/sections.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -60,7 +60,7 @@ void tighten(const LabelVolume& chambers, Region ventricle, Region beyond, int r
   constexpr double reach_mm = 6;
   const auto blood = blood_of(chambers, ventricle, beyond);
   for (int round = 0; round < rounds; ++round) {
-    const auto plane = tightest_plane(blood, valve.centre_mm, valve.normal, reach_mm);
+    const auto plane = segment::tightest_plane(blood, valve.centre_mm, valve.normal, reach_mm);
     if (!plane) return;
     valve.centre_mm = plane->section.centre_mm;
     valve.normal = plane->normal;

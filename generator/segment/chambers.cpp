@@ -29,7 +29,6 @@ constexpr double thin_branch_mm = 2.5;     // radius; coronaries and small veins
 constexpr double mixing_closing_mm = 6;    // unmixed contrast leaves dark clouds in the atria up to twice this wide
 constexpr double mixing_fraction = 0.15;   // of the contrast: brighter than muscle at least by this
 constexpr double atrium_core_share = 0.6;  // of the inscribed radius: what is narrower is a vein or an appendage
-constexpr double superior_cava_mm = 10;    // the superior vena cava is atrium this far above the atrium's wide part
 
 constexpr std::array<Region, 4> chamber_regions = {Region::lv_blood, Region::la_blood, Region::rv_blood,
                                                    Region::ra_blood};
@@ -118,8 +117,7 @@ void cut_vessels(LabelVolume& labels, const ChamberSettings& settings) {
   }
   for (const Region atrium : {Region::la_blood, Region::ra_blood}) {
     Mask body = mask_of(labels, atrium);
-    if (atrium == Region::ra_blood)
-      body = cut_venae_cavae(body, atrium_core_share, superior_cava_mm, settings.cava_stump_mm);
+    if (atrium == Region::ra_blood) body = cut_venae_cavae(body, atrium_core_share, settings.cava_stump_radii);
     body = cut_veins(body, atrium_core_share, settings.vein_stump_mm);
     replace_region(labels, atrium, drop_thin_branches(body, thin_branch_mm));
   }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "generator/segment/box_around.hpp"
@@ -10,6 +13,7 @@
 #include "generator/segment/distance.hpp"
 #include "generator/segment/flood.hpp"
 #include "generator/segment/morphology.hpp"
+#include "generator/segment/sections.hpp"
 
 namespace heart::segment {
 namespace {
@@ -24,6 +28,12 @@ Vec3 position(const Grid& grid, std::size_t v) {
                                static_cast<double>(slice)});
 }
 
+Volume<float> mask_as_float(const Mask& mask) {
+  Volume<float> result(mask.grid);
+  std::copy(mask.voxels.begin(), mask.voxels.end(), result.voxels.begin());
+  return result;
+}
+
 Mask shell(const Volume<float>& way_mm, double from_mm, double to_mm) {
   Mask result(way_mm.grid);
   for (std::size_t v = 0; v < result.voxels.size(); ++v) {
@@ -33,22 +43,31 @@ Mask shell(const Volume<float>& way_mm, double from_mm, double to_mm) {
   return result;
 }
 
-/// Centroids of the pieces of a mask with at least `minimum` voxels.
-std::vector<Vec3> centroids(const Mask& mask, std::int64_t minimum) {
-  const Components pieces = connected_components(mask);
-  std::vector<Vec3> sum(pieces.voxel_count.size());
+struct Piece {
+  Vec3 centroid;
+  double volume_mm3 = 0;
+};
+
+/// The pieces of a mask of at least that volume.
+std::vector<Piece> pieces_of(const Mask& mask, double least_mm3) {
+  const Components components = connected_components(mask);
+  std::vector<Piece> pieces(components.voxel_count.size());
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
-    if (const auto label = pieces.label.voxels[v]; label > 0)
-      sum[static_cast<std::size_t>(label)] += position(mask.grid, v);
-  std::vector<Vec3> result;
-  for (std::size_t n = 1; n < sum.size(); ++n)
-    if (pieces.voxel_count[n] >= minimum) result.push_back(sum[n] / static_cast<double>(pieces.voxel_count[n]));
-  return result;
+    if (const auto label = components.label.voxels[v]; label > 0)
+      pieces[static_cast<std::size_t>(label)].centroid += position(mask.grid, v);
+  for (std::size_t n = 1; n < pieces.size(); ++n) {
+    const auto voxels = static_cast<double>(components.voxel_count[n]);
+    pieces[n] = {pieces[n].centroid / voxels, voxels * mask.grid.voxel_volume_mm3()};
+  }
+  pieces.erase(pieces.begin());
+  std::erase_if(pieces, [&](const Piece& piece) { return piece.volume_mm3 < least_mm3; });
+  return pieces;
 }
 
-const Vec3& nearest(const std::vector<Vec3>& points, const Vec3& to) {
-  return *std::min_element(points.begin(), points.end(),
-                           [&](const Vec3& a, const Vec3& b) { return norm(a - to) < norm(b - to); });
+const Piece& nearest(const std::vector<Piece>& pieces, const Vec3& to) {
+  return *std::min_element(pieces.begin(), pieces.end(), [&](const Piece& a, const Piece& b) {
+    return norm(a.centroid - to) < norm(b.centroid - to);
+  });
 }
 
 /// The opening of a chamber by a share of its inscribed radius, the piece that holds the deepest point.
@@ -72,35 +91,123 @@ struct End {
   Vec3 at, axis;
 };
 
-/// The largest piece at heights within 2 mm of `z_mm`.
-Mask section(const Mask& region, double z_mm) {
-  Mask result = region;
-  for (std::size_t v = 0; v < result.voxels.size(); ++v)
-    if (std::abs(position(region.grid, v).z - z_mm) > shell_mm / 2) result.voxels[v] = 0;
-  return largest_component(result);
+/// The piece of `whole` that holds the first voxel of `part` in it.
+Mask piece_with(const Mask& whole, const Mask& part) {
+  const auto in_both = [&](std::size_t v) { return whole.voxels[v] && part.voxels[v]; };
+  std::size_t v = 0;
+  while (v < whole.voxels.size() && !in_both(v)) ++v;
+  if (v == whole.voxels.size()) return whole;
+  const auto [nx, ny, nz] = whole.grid.size;
+  const auto at = static_cast<std::int64_t>(v);
+  return component_of(whole, {at % nx, at / nx % ny, at / (nx * ny)});
 }
 
-/// Where a vena cava that leaves upwards (`way` 1) or downwards (-1) crosses the height `z_mm`. Flat where it cannot be
-/// followed far enough, or widens or turns away beyond: other tissue that was taken for blood.
-End cava_end(const Mask& atrium, double z_mm, double way) {
-  constexpr double most_wider = 1.5, least_along = 0.7;
-  const End flat{{0, 0, z_mm}, {0, 0, way}};
-  const Mask here = section(atrium, z_mm), beyond = section(atrium, z_mm + way * lever_mm);
-  const auto first = centroids(here, 1), second = centroids(beyond, 1);
-  const auto area = static_cast<double>(count(here));
-  if (first.empty() || second.empty() || static_cast<double>(count(beyond)) > most_wider * area) return flat;
-  const Vec3 axis = normalized(second.front() - first.front());
-  return way * axis.z > least_along ? End{first.front(), axis} : flat;
+/// What lies at heights within 2 mm of `z_mm` and is no thin vessel.
+std::vector<Piece> pieces_at(const Mask& region, double z_mm) {
+  constexpr double least_mm2 = 80;
+  Mask slab = region;
+  for (std::size_t v = 0; v < slab.voxels.size(); ++v)
+    if (std::abs(position(region.grid, v).z - z_mm) > shell_mm / 2) slab.voxels[v] = 0;
+  return pieces_of(slab, least_mm2 * shell_mm);
+}
+
+/// Where the atrium's wide part lies.
+struct Core {
+  double lowest_mm = 0, highest_mm = 0;
+  Vec3 middle_mm;
+  double reach_mm = 0;  ///< level, from the middle
+};
+
+double level_distance(const Vec3& a, const Vec3& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+Core measure_core(const Mask& core) {
+  Core result{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), {}, 0};
+  const auto for_each = [&](const auto& visit) {
+    for (std::size_t v = 0; v < core.voxels.size(); ++v)
+      if (core.voxels[v]) visit(position(core.grid, v));
+  };
+  for_each([&](const Vec3& at) {
+    result.lowest_mm = std::min(result.lowest_mm, at.z);
+    result.highest_mm = std::max(result.highest_mm, at.z);
+    result.middle_mm += at;
+  });
+  result.middle_mm = result.middle_mm / std::max(static_cast<double>(count(core)), 1.0);
+  for_each([&](const Vec3& at) { result.reach_mm = std::max(result.reach_mm, level_distance(at, result.middle_mm)); });
+  return result;
+}
+
+/// Where a vena cava that leaves upwards (`way` 1) or downwards (-1) crosses the height `z_mm`, and its axis away from
+/// the atrium. Nothing where it cannot be followed far enough, or widens or turns away beyond, or is not above or below
+/// the atrium: other tissue that was taken for blood, as far as the spine.
+std::optional<End> cava_at(const Mask& atrium, const Core& core, double z_mm, double way) {
+  constexpr double most_wider = 1.5, least_along = 0.7, beside_mm = 10;
+  const auto here = pieces_at(atrium, z_mm), beyond = pieces_at(atrium, z_mm + way * lever_mm);
+  if (here.empty() || beyond.empty()) return std::nullopt;
+  const Piece& first = nearest(here, core.middle_mm);
+  const Piece& second = nearest(beyond, first.centroid);
+  if (level_distance(first.centroid, core.middle_mm) > core.reach_mm + beside_mm) return std::nullopt;
+  if (second.volume_mm3 > most_wider * first.volume_mm3) return std::nullopt;
+  const Vec3 axis = normalized(second.centroid - first.centroid);
+  return way * axis.z > least_along ? std::optional(End{first.centroid, axis}) : std::nullopt;
+}
+
+/// A vena cava's end, and its radius.
+struct CavaEnd {
+  End end;
+  double radius_mm = 0;
+};
+
+/// The end `stump_radii` of the vein's radii away from where, followed inwards, its section has grown twice as large.
+/// That tells the atrium's opening however the heart lies in the chest. Nothing where it does not grow so far.
+std::optional<CavaEnd> cava_end(const Volume<float>& blood, const End& vein, double stump_radii) {
+  constexpr double step_mm = 1, outermost_mm = 10, innermost_mm = -40, search_mm = 6, opened = 2;
+  std::vector<double> areas;
+  const auto area_at = [&](double along_mm) {
+    const auto found = section_at(blood, vein.at + along_mm * vein.axis, vein.axis, search_mm);
+    return found ? found->area_mm2 : 0;
+  };
+  double smallest = std::numeric_limits<double>::infinity(), before = 0;
+  for (int step = 0; outermost_mm - step * step_mm >= innermost_mm; ++step) {
+    const double along_mm = outermost_mm - step * step_mm, area = area_at(along_mm);
+    if (along_mm >= 0) {
+      if (area > 0) smallest = std::min(smallest, area);
+    } else if (area > opened * smallest) {
+      const double inside = std::clamp((area - opened * smallest) / (area - before), 0.0, 1.0);
+      const double radius_mm = std::sqrt(smallest / std::numbers::pi);
+      const double end_mm = along_mm + inside * step_mm + stump_radii * radius_mm;
+      return CavaEnd{{vein.at + end_mm * vein.axis, vein.axis}, radius_mm};
+    }
+    before = area;
+  }
+  return std::nullopt;
+}
+
+/// Takes from `atrium` a slice of a vein beyond its end, as long and as wide as no other part is near: what lies
+/// farther out is no longer connected.
+void cut_across(const CavaEnd& cava, Mask& atrium) {
+  constexpr double wide_radii = 1.7, long_radii = 2;  // veins are flat, appendages near
+  for (std::size_t v = 0; v < atrium.voxels.size(); ++v) {
+    const Vec3 off = position(atrium.grid, v) - cava.end.at;
+    const double along = dot(off, cava.end.axis);
+    if (along > 0 && along < long_radii * cava.radius_mm &&
+        norm(off - along * cava.end.axis) < wide_radii * cava.radius_mm)
+      atrium.voxels[v] = 0;
+  }
+}
+
+void cut_level(double height_mm, double way, Mask& atrium) {
+  for (std::size_t v = 0; v < atrium.voxels.size(); ++v)
+    if (way * (position(atrium.grid, v).z - height_mm) > 0) atrium.voxels[v] = 0;
 }
 
 }  // namespace
 
 Mask cut_artery(const Mask& artery, const Mask& start, double length_mm) {
   const auto way = geodesic_distance(artery, start, length_mm + lever_mm);
-  const auto minimum = static_cast<std::int64_t>(50 / artery.grid.voxel_volume_mm3());
-  const auto ends = centroids(shell(way, length_mm - shell_mm / 2, length_mm + shell_mm / 2), minimum);
+  constexpr double least_mm3 = 50;
+  const auto ends = pieces_of(shell(way, length_mm - shell_mm / 2, length_mm + shell_mm / 2), least_mm3);
   const auto before =
-      centroids(shell(way, length_mm - shell_mm / 2 - lever_mm, length_mm + shell_mm / 2 - lever_mm), 1);
+      pieces_of(shell(way, length_mm - shell_mm / 2 - lever_mm, length_mm + shell_mm / 2 - lever_mm), 0);
   Mask result(artery.grid);
   for (std::size_t v = 0; v < result.voxels.size(); ++v) {
     const auto length = static_cast<double>(way.voxels[v]);
@@ -110,8 +217,8 @@ Mask cut_artery(const Mask& artery, const Mask& start, double length_mm) {
       continue;
     }
     const Vec3 at = position(artery.grid, v);
-    const Vec3& end = nearest(ends, at);
-    const Vec3 axis = normalized(end - nearest(before, end));
+    const Vec3& end = nearest(ends, at).centroid;
+    const Vec3 axis = normalized(end - nearest(before, end).centroid);
     result.voxels[v] = dot(at - end, axis) <= 0;
   }
   return largest_component(result);
@@ -125,26 +232,22 @@ Mask cut_veins(const Mask& chamber, double core_share, double stump_mm) {
   return result;
 }
 
-Mask cut_venae_cavae(const Mask& atrium, double core_share, double above_mm, double below_mm) {
-  const Mask core = wide_part(atrium, core_share);
-  double lowest_mm = std::numeric_limits<double>::infinity(), highest_mm = -lowest_mm;
-  for (std::size_t v = 0; v < core.voxels.size(); ++v) {
-    if (!core.voxels[v]) continue;
-    const double z = position(core.grid, v).z;
-    lowest_mm = std::min(lowest_mm, z);
-    highest_mm = std::max(highest_mm, z);
-  }
-  if (lowest_mm > highest_mm) return atrium;
-  const End inferior = cava_end(atrium, lowest_mm - below_mm, -1),
-            superior = cava_end(atrium, highest_mm + above_mm, 1);
+Mask cut_venae_cavae(const Mask& atrium, double core_share, double stump_radii) {
+  constexpr double above_mm = 10, below_mm = 4;  // where veins are seen that cannot be followed to their opening
+  const Mask wide = wide_part(atrium, core_share);
+  if (count(wide) == 0) return atrium;
+  const Core core = measure_core(wide);
+  const Volume<float> blood = mask_as_float(atrium);
   Mask result = atrium;
-  for (std::size_t v = 0; v < result.voxels.size(); ++v) {
-    const Vec3 at = position(core.grid, v);
-    const bool below = at.z < lowest_mm && dot(at - inferior.at, inferior.axis) > 0;
-    const bool above = at.z > highest_mm && dot(at - superior.at, superior.axis) > 0;
-    if (below || above) result.voxels[v] = 0;
+  for (const auto& [height_mm, way] :
+       {std::pair{core.lowest_mm - below_mm, -1.0}, std::pair{core.highest_mm + above_mm, 1.0}}) {
+    const auto vein = cava_at(atrium, core, height_mm, way);
+    if (const auto cava = vein ? cava_end(blood, *vein, stump_radii) : std::nullopt)
+      cut_across(*cava, result);
+    else
+      cut_level(height_mm, way, result);
   }
-  return largest_component(result);
+  return piece_with(result, wide);
 }
 
 Mask drop_thin_branches(const Mask& region, double radius_mm) {

@@ -7,9 +7,9 @@
 
 #include "generator/landmarks/contact.hpp"
 #include "generator/landmarks/divide_at_plane.hpp"
-#include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/statistics.hpp"
 #include "generator/landmarks/valve_patch.hpp"
+#include "generator/segment/sections.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -74,7 +74,7 @@ TEST(Sections, OfAnObliqueTubeAreTightestAcrossIt) {
     const double radius = 9 + 0.02 * along * along;  // narrowest at the centre
     blood.voxels[v] = norm(p - centre - along * axis) < radius;
   });
-  const auto plane = tightest_plane(blood, centre + 4 * axis, Vec3{0, 0, 1}, 6);
+  const auto plane = segment::tightest_plane(blood, centre + 4 * axis, Vec3{0, 0, 1}, 6);
   ASSERT_TRUE(plane.has_value());
   EXPECT_NEAR(dot(plane->section.centre_mm - centre, axis), 0, 2);
   EXPECT_LT(angle_deg(plane->normal, axis), 6);

@@ -8,10 +8,10 @@
 #include <random>
 
 #include "datasets/phantom/anatomy.hpp"
-#include "generator/landmarks/sections.hpp"
 #include "generator/landmarks/statistics.hpp"
 #include "generator/landmarks/usual_valves.hpp"
 #include "generator/landmarks/working_image.hpp"
+#include "generator/segment/sections.hpp"
 #include "support/noise.hpp"
 
 namespace heart::landmarks {
@@ -66,7 +66,7 @@ Scan scan(const Bag& bag, unsigned seed) {
 
 /// Off by 5 mm along, 6 mm across and 14 degrees.
 ValvePatch first_guess(const Bag& bag) {
-  const PlaneFrame frame = frame_across(bag.normal);
+  const segment::PlaneFrame frame = segment::frame_across(bag.normal);
   ValvePatch start;
   start.normal = normalized(bag.normal + 0.25 * frame.u);
   start.centre_mm = bag.hole_mm + 5 * bag.normal + 6 * frame.v;

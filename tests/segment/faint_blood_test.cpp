@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "generator/segment/vessel_ends.hpp"
 #include "generator/segment/wall_thickness.hpp"
 
 namespace heart::segment {
@@ -210,61 +209,6 @@ TEST(FaintBlood, ThinWallsKeepTheirThickness) {
     const auto untouched = settle_thin_walls(blood, space, scene.nowhere);
     EXPECT_EQ(untouched.voxels, blood.voxels);
   }
-}
-
-TEST(CutVenaeCavae, TheyGoAndTheRestStays) {
-  Grid grid;
-  grid.size = {60, 60, 90};
-  grid.origin_mm = {-30, -30, -45};
-  Mask atrium(grid);
-  const auto in_tube = [](const Vec3& p, double x, double y) { return std::hypot(p.x - x, p.y - y) < 7; };
-  std::size_t v = 0;
-  for (std::int64_t k = 0; k < grid.size[2]; ++k)
-    for (std::int64_t j = 0; j < grid.size[1]; ++j)
-      for (std::int64_t i = 0; i < grid.size[0]; ++i, ++v) {
-        const Vec3 p = lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-        const bool cavae = in_tube(p, 0, 8);                               // above and below, behind
-        const bool appendage = in_tube(p, 0, -10) && p.z > 0 && p.z < 30;  // above, in front
-        atrium.voxels[v] = norm(p) < 20 || cavae || appendage;
-      }
-  const Mask cut = cut_venae_cavae(atrium, 0.6, 10, 4);
-  const auto at = [&](double x, double y, double z) {
-    const Vec3 index = index_from_lps(grid, {x, y, z});
-    return cut(std::lround(index.x), std::lround(index.y), std::lround(index.z)) != 0;
-  };
-  EXPECT_TRUE(at(0, 8, -17));
-  EXPECT_FALSE(at(0, 8, -28));
-  EXPECT_TRUE(at(0, 8, 28));
-  EXPECT_FALSE(at(0, 8, 33));
-  EXPECT_TRUE(at(0, -10, 28));
-}
-
-/// Veins that lean by 27 degrees: their ends are perpendicular to them, not level.
-TEST(CutVenaeCavae, EndsArePerpendicularToTheVein) {
-  Grid grid;
-  grid.size = {60, 80, 120};
-  grid.origin_mm = {-30, -40, -60};
-  const Vec3 axis = normalized({0, 0.5, 1});
-  Mask atrium(grid);
-  const auto at = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return lps_from_index(grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-  };
-  for (std::int64_t k = 0; k < 120; ++k)
-    for (std::int64_t j = 0; j < 80; ++j)
-      for (std::int64_t i = 0; i < 60; ++i) {
-        const Vec3 p = at(i, j, k);
-        atrium(i, j, k) = norm(p) < 20 || norm(p - dot(p, axis) * axis) < 8;
-      }
-  const Mask cut = cut_venae_cavae(atrium, 0.6, 10, 4);
-  const double above_mm = 30 / axis.z, below_mm = -24 / axis.z;  // along the axis, at the heights of the cuts
-  std::int64_t wrong = 0;
-  for (std::int64_t k = 0; k < 120; ++k)
-    for (std::int64_t j = 0; j < 80; ++j)
-      for (std::int64_t i = 0; i < 60; ++i) {
-        const double along = dot(at(i, j, k), axis);
-        wrong += atrium(i, j, k) && (along < above_mm && along > below_mm) != (cut(i, j, k) != 0);
-      }
-  EXPECT_LT(wrong, 400);  // 1 mm of each end; level ends miss by about 350 each
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
-// Private to this folder: plane sections through blood.
+// Plane sections through blood.
 #pragma once
 #include <optional>
 #include <vector>
 
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heart::segment {
 
 /// A unit vector across `normal`, and the third of the right-handed frame.
 struct PlaneFrame {
@@ -39,4 +39,4 @@ struct TightestPlane {
 std::optional<TightestPlane> tightest_plane(const Volume<float>& blood, const Vec3& centre, const Vec3& normal,
                                             double reach_mm);
 
-}  // namespace heart::landmarks
+}  // namespace heart::segment

@@ -1,13 +1,11 @@
-#include "generator/landmarks/sections.hpp"
+#include "generator/segment/sections.hpp"
 
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "generator/landmarks/statistics.hpp"
-
-namespace heart::landmarks {
+namespace heart::segment {
 namespace {
 
 constexpr double pixel_mm = 1.5;
@@ -105,7 +103,10 @@ std::vector<Vec3> section_points(const Volume<float>& blood, const Vec3& point, 
 std::optional<Section> section_at(const Volume<float>& blood, const Vec3& point, const Vec3& normal, double search_mm) {
   const auto points = section_points(blood, point, normal, search_mm);
   if (points.empty()) return std::nullopt;
-  return Section{static_cast<double>(points.size()) * section_pixel_mm2, mean(points)};
+  Vec3 sum;
+  for (const Vec3& p : points) sum += p;
+  const auto count = static_cast<double>(points.size());
+  return Section{count * section_pixel_mm2, sum / count};
 }
 
 std::optional<TightestPlane> tightest_plane(const Volume<float>& blood, const Vec3& centre, const Vec3& normal,
@@ -127,4 +128,4 @@ std::optional<TightestPlane> tightest_plane(const Volume<float>& blood, const Ve
   return best ? std::optional(best->plane) : std::nullopt;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heart::segment

@@ -120,9 +120,9 @@ struct ChamberSettings {
   std::string blood = "blood.above";  // side of the tree that holds the contrast-filled blood
   std::string tissue = "body.above";  // side of the tree that is not air
   std::string soft = "soft.above";    // side of the tree that holds muscle (and blood)
-  double heart_radius_mm = 85;        // nothing farther from the chambers' centre belongs to the heart
-  double vessel_length_mm = 45;       // aorta and pulmonary artery are followed this far from their valves; 0: all
-  double close_trabeculae_mm = 0;     // closing of the blood pools; 0 keeps papillary muscles and trabeculae
+  double heart_radius_mm = 85;     // the heart is looked for this far from the chambers' centre, farther if it is large
+  double vessel_length_mm = 45;    // aorta and pulmonary artery are followed this far from their valves; 0: all
+  double close_trabeculae_mm = 0;  // closing of the blood pools; 0 keeps papillary muscles and trabeculae
   double minimum_component_ml = 0.1;  // smaller pieces of papillary muscle are wall
   double vein_stump_mm = 15;          // veins and appendages stay with their atrium this far from its wide part
   double cava_stump_radii = 1.5;  // venae cavae stay with the right atrium so many of their radii from where they open
@@ -133,7 +133,8 @@ struct ChamberSettings {
     v("blood", s.blood, "side of the tree that holds the contrast-filled blood");
     v("tissue", s.tissue, "side of the tree that is not air");
     v("soft", s.soft, "side of the tree that holds muscle");
-    v("heart_radius_mm", s.heart_radius_mm, "nothing farther from the chambers' centre belongs to the heart");
+    v("heart_radius_mm", s.heart_radius_mm,
+      "the heart is looked for this far from the chambers' centre, and farther if its apex lies far away");
     v("vessel_length_mm", s.vessel_length_mm,
       "great vessels are followed this far from their valves; 0: as far as they reach");
     v("close_trabeculae_mm", s.close_trabeculae_mm, "closing of the blood pools; 0 keeps trabeculae");

@@ -67,6 +67,14 @@ Vec3 heart_center(const CtVolume& ct, const Landmarks& landmarks) {
   return center;
 }
 
+/// Half the side of the box that the heart is searched in. It must hold large hearts too, whose apex lies far from the
+/// chambers' centre, and the front of the right ventricle nearly as far.
+double search_radius_mm(const Vec3& center, const Landmarks& landmarks, const ChamberSettings& settings) {
+  constexpr double of_apex = 0.9, most_mm = 130;
+  const double apex_mm = landmarks.lv_apex_mm ? norm(*landmarks.lv_apex_mm - center) : 0;
+  return std::max(settings.heart_radius_mm, std::min(of_apex * apex_mm, most_mm));
+}
+
 std::vector<Marker> markers_of(const CtVolume& ct, const Mask& blood, const Landmarks& landmarks) {
   std::vector<Marker> markers;
   const auto add = [&](Region region, const Vec3& at) {
@@ -232,7 +240,7 @@ void part_pools(LabelVolume& labels) {
 LabelVolume split_chambers(const CtVolume& ct, const SegmentationTree& tree, const Landmarks& landmarks,
                            const ChamberSettings& settings) {
   const Vec3 center = heart_center(ct, landmarks);
-  const Box box = box_around(ct.grid, center, settings.heart_radius_mm);
+  const Box box = box_around(ct.grid, center, search_radius_mm(center, landmarks, settings));
   const CtVolume heart = crop(ct, box);
   const double soft_hu = soft_tissue_hu(tree, grey_value(tree, settings.blood));
   const BloodPool pool = find_blood(heart, landmarks, soft_hu);

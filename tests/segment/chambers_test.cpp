@@ -93,6 +93,15 @@ TEST_P(FaintRightHeart, DoesNotRunOutIntoTheChestWall) {
   EXPECT_GT(dice(labels, heart.truth, Region::ra_blood), 0.93);
 }
 
+TEST(Chambers, ALargeHeartIsSearchedAsFarAsItsApexTells) {
+  ToyHeart heart = toy_heart();
+  ChamberSettings settings;
+  settings.heart_radius_mm = 28;  // half the right ventricle lies farther
+  EXPECT_LT(dice(chambers_of(heart, settings), heart.truth, Region::rv_blood), 0.95);
+  heart.landmarks.lv_apex_mm = Vec3{20, -40, -50};
+  EXPECT_GT(dice(chambers_of(heart, settings), heart.truth, Region::rv_blood), 0.95);
+}
+
 TEST(Chambers, TheWholeAortaIsKeptWhereItsLengthIsZero) {
   const ToyHeart heart = toy_heart();
   ChamberSettings settings;

@@ -96,10 +96,10 @@ TEST_P(FaintRightHeart, DoesNotRunOutIntoTheChestWall) {
 TEST(Chambers, ALargeHeartIsSearchedAsFarAsItsApexTells) {
   ToyHeart heart = toy_heart();
   ChamberSettings settings;
-  settings.heart_radius_mm = 28;  // half the right ventricle lies farther
-  EXPECT_LT(dice(chambers_of(heart, settings), heart.truth, Region::rv_blood), 0.95);
-  heart.landmarks.lv_apex_mm = Vec3{20, -40, -50};
-  EXPECT_GT(dice(chambers_of(heart, settings), heart.truth, Region::rv_blood), 0.95);
+  settings.heart_radius_mm = 31;  // the right ventricle reaches 36 mm
+  EXPECT_LT(dice(chambers_of(heart, settings), heart.truth, Region::rv_blood), 0.99);
+  heart.landmarks.lv_apex_mm = Vec3{20, -25, -45};
+  EXPECT_GT(dice(chambers_of(heart, settings), heart.truth, Region::rv_blood), 0.995);
 }
 
 TEST(Chambers, TheWholeAortaIsKeptWhereItsLengthIsZero) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/chest_wall.hpp"
@@ -25,6 +26,7 @@ constexpr double antialias_per_mm = 0.7;
 constexpr double smoothing_mm = 1;        // for what is brighter than muscle beyond doubt
 constexpr double seed_tolerance_mm = 12;  // to the cavity that usual walls leave
 constexpr double elsewhere_mm = 9;        // deeper tissue at the border of the image is no vessel, but liver or chest
+constexpr double clear_nats = 1;  // per mm³: from there on the image tells thin walls better than usual ones do
 constexpr double everywhere_mm = 1e6;
 constexpr std::uint8_t elsewhere = 255;
 
@@ -201,8 +203,8 @@ RightHeartBlood faint_right_heart(const CtVolume& ct, const Landmarks& landmarks
                    [](float a, float b) { return std::min(a, b); });
   }
   const Mask measured = mask_where(grid, [&](std::size_t v) { return thin.voxels[v] == 0; });
-  Volume<float> blood = settle_thin_walls(
-      faint_blood(scene.hu, walls, space, compartment, contrast, measured_walls, measured), space, thin);
+  Volume<float> blood = faint_blood(scene.hu, walls, space, compartment, contrast, measured_walls, measured);
+  if (information(contrast) < clear_nats) blood = settle_thin_walls(std::move(blood), space, thin);
   RightHeartBlood found;
   const Volume<float> cavity = resampled(blood, ct.grid);
   found.blood = mask_where(ct.grid, [&](std::size_t v) {

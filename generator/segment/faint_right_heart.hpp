@@ -5,10 +5,10 @@
 
 namespace heart::segment {
 
-/// Less contrast between the right heart's blood and muscle than this is left to what is known of the heart's shape as
-/// well; more of it shows the blood by itself, and so does more than this share of the left heart's contrast: that must
-/// be much the brighter one.
-constexpr double faint_contrast_hu = 80, faint_contrast_share = 0.4;
+/// With less contrast between the right heart's blood and muscle than this, grey values are summed up over places, and
+/// what is known of the heart's shape counts as well; more of it shows the blood by itself, and so does more than this
+/// share of the left heart's contrast: that must be much the brighter one.
+constexpr double faint_contrast_hu = 130, faint_contrast_share = 0.5;
 
 struct RightHeartBlood {
   Mask blood;    ///< the cavities with what stands in them

@@ -67,6 +67,14 @@ TEST_P(FaintRightHeart, IsFoundBesideTheLeftOne) {
 
 INSTANTIATE_TEST_SUITE_P(Contrasts, FaintRightHeart, ::testing::Values(70, 110, 150));
 
+/// Noise hides what single grey values say; together with usual walls they say more.
+TEST(Chambers, ModerateContrastInNoiseIsHelpedByUsualWalls) {
+  const ToyHeart heart = toy_heart({.left_hu = 420, .right_hu = 190, .noise_hu = 25});
+  const auto labels = chambers_of(heart);
+  for (const Region region : {Region::rv_blood, Region::ra_blood})
+    EXPECT_GT(dice(labels, heart.truth, region), 0.985) << region_name(tag(region));
+}
+
 /// The heart's fat within 4 mm, lungs around it, and a plate of muscle before them that the right ventricle's wall
 /// touches; air of the room before that.
 void put_into_chest(ToyHeart& heart) {

@@ -221,26 +221,25 @@ SearchResult search_until_plausible(Subject& subject) {
     SearchResult result = search_in(subject);
     if (!best || result.found.confidence > best->found.confidence) best = std::move(result);
   };
-  const auto attempt_again = [&](double bright_hu, std::size_t ventricle_choice) {
+  try {
+    attempt();
+  } catch (const NotAHeart&) {
+    refused = std::current_exception();
+  }
+  const double whole_image_hu = subject.bright_hu;
+  const auto attempt_again = [&](bool midway, std::size_t ventricle_choice) {
     if (best && best->found.confidence >= plausible) return;
-    subject.bright_hu = bright_hu;
-    subject.ventricle_choice = ventricle_choice;
     try {
+      subject.bright_hu = midway ? midway_hu(subject) : whole_image_hu;
+      subject.ventricle_choice = ventricle_choice;
       attempt();
     } catch (const UserError&) {  // the first result, or its refusal, tells more
     }
   };
-  try {
-    attempt();
-    if (best->found.confidence >= plausible) return std::move(*best);
-  } catch (const NotAHeart&) {
-    refused = std::current_exception();
-  }
-  const double whole_image_hu = subject.bright_hu, between_hu = midway_hu(subject);
-  attempt_again(between_hu, 0);
+  attempt_again(true, 0);
   if (!best) std::rethrow_exception(refused);  // mirrored images are refused, whatever else might do for a ventricle
-  attempt_again(whole_image_hu, 1);
-  attempt_again(between_hu, 1);
+  attempt_again(false, 1);
+  attempt_again(true, 1);
   return std::move(*best);
 }
 

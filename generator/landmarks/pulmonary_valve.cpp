@@ -169,7 +169,7 @@ void go_on_within_a_disc(const Scenery& scenery, const Vec3& usual_mm, std::vect
   double narrowest = 1e9;
   for (const Station& station : stations) narrowest = std::min(narrowest, station.section.diameter_mm());
   while (stations.back().section.diameter_mm() > slipped * narrowest) stations.pop_back();
-  while (left_mm() > -beyond_mm) {
+  for (int step = 0; step < static_cast<int>(walk_mm / step_mm) && left_mm() > -beyond_mm; ++step) {
     const Station& last = stations.back();
     segment::Section next{last.section.area_mm2, last.section.centre_mm - step_mm * last.normal};
     next.centre_mm = blood_middle(scenery, next, last.normal);

@@ -14,9 +14,9 @@ Mask cut_artery(const Mask& artery, const Mask& start, double length_mm);
 Mask cut_veins(const Mask& chamber, double core_share, double stump_mm);
 
 /// A right atrium without the venae cavae, which leave it above and below: each ends in a plane perpendicular to its
-/// axis, `stump_radii` of its radii away from where its section, followed inwards, has grown twice as large. A vein that
-/// cannot be followed so ends level, 10 mm above or 4 mm below the wide part (as in cut_veins). Up and down are the
-/// patient's. The veins should be there for 10 mm more.
+/// axis, `stump_radii` of its radii away from where its section, followed inwards, has grown twice as large. A vein
+/// that cannot be followed so ends level, 10 mm above or 4 mm below the wide part (as in cut_veins). Up and down are
+/// the patient's. The veins should be there for 10 mm more.
 Mask cut_venae_cavae(const Mask& atrium, double core_share, double stump_radii);
 
 /// The largest piece of a region without branches thinner than `radius_mm` (coronaries at the aortic root, small

@@ -158,26 +158,24 @@ struct CavaEnd {
 };
 
 /// The end `stump_radii` of the vein's radii away from where, followed inwards, its section has grown twice as large.
-/// That tells the atrium's opening however the heart lies in the chest. Nothing where it does not grow so far.
+/// That tells the atrium's opening however the heart lies in the chest. The vein's own section is a median: farther out
+/// contrast may fade, and one plane may be noise. Nothing where it does not grow so far.
 std::optional<CavaEnd> cava_end(const Volume<float>& blood, const End& vein, double stump_radii) {
-  constexpr double step_mm = 1, outermost_mm = 10, innermost_mm = -40, search_mm = 6, opened = 2;
-  std::vector<double> areas;
-  const auto area_at = [&](double along_mm) {
+  constexpr int outermost_mm = 4, innermost_mm = -40, own_planes = 7;
+  constexpr double search_mm = 6, opened = 2;
+  std::vector<double> areas;  // at outermost_mm and every millimetre inwards
+  for (int along_mm = outermost_mm; along_mm >= innermost_mm; --along_mm) {
     const auto found = section_at(blood, vein.at + along_mm * vein.axis, vein.axis, search_mm);
-    return found ? found->area_mm2 : 0;
-  };
-  double smallest = std::numeric_limits<double>::infinity(), before = 0;
-  for (int step = 0; outermost_mm - step * step_mm >= innermost_mm; ++step) {
-    const double along_mm = outermost_mm - step * step_mm, area = area_at(along_mm);
-    if (along_mm >= 0) {
-      if (area > 0) smallest = std::min(smallest, area);
-    } else if (area > opened * smallest) {
-      const double inside = std::clamp((area - opened * smallest) / (area - before), 0.0, 1.0);
-      const double radius_mm = std::sqrt(smallest / std::numbers::pi);
-      const double end_mm = along_mm + inside * step_mm + stump_radii * radius_mm;
-      return CavaEnd{{vein.at + end_mm * vein.axis, vein.axis}, radius_mm};
-    }
-    before = area;
+    areas.push_back(found ? found->area_mm2 : 0);
+  }
+  std::vector<double> own(areas.begin(), areas.begin() + own_planes);
+  std::nth_element(own.begin(), own.begin() + own_planes / 2, own.end());
+  const double own_mm2 = own[own_planes / 2], radius_mm = std::sqrt(own_mm2 / std::numbers::pi);
+  for (std::size_t n = own_planes; n < areas.size(); ++n) {
+    if (areas[n] <= opened * own_mm2) continue;
+    const double t = std::clamp((areas[n] - opened * own_mm2) / (areas[n] - areas[n - 1]), 0.0, 1.0);
+    const double end_mm = outermost_mm - static_cast<double>(n) + t + stump_radii * radius_mm;
+    return CavaEnd{{vein.at + end_mm * vein.axis, vein.axis}, radius_mm};
   }
   return std::nullopt;
 }

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// How the names of lengths, volumes and shares end.
-constexpr const char* never_negative[] = {"_mm", "_ml", "_hu", "_gap", "_fraction"};
+constexpr const char* never_negative[] = {"_mm", "_radii", "_ml", "_hu", "_gap", "_fraction"};
 
 // ---- reading ----
 

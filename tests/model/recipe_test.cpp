@@ -57,8 +57,8 @@ TEST(Recipe, WrongTypesSayWhatIsExpected) {
 
 TEST(Recipe, NumbersThatNoSettingCanHaveAreRefusedWithTheirLine) {
   for (const char* text :
-       {"[chambers]\nvein_stump_mm = -1\n", "[epicardium]\nduality_gap = nan\n", "[mesh]\ngrowth = inf\n",
-        "[epicardium]\nmax_iterations = -5\n", "[fibers]\ndemons_iterations = [60, -1]\n",
+       {"[chambers]\nvein_stump_mm = -1\n", "[chambers]\ncava_stump_radii = -1\n", "[epicardium]\nduality_gap = nan\n",
+        "[mesh]\ngrowth = inf\n", "[epicardium]\nmax_iterations = -5\n", "[fibers]\ndemons_iterations = [60, -1]\n",
         "[fibers.rule]\nrv_helix_endo_deg = nan\n", "[denoise]\niterations = 5000000000\n"}) {
     const UserError error = refusal(text);
     EXPECT_NE(error.problem.find("must"), std::string::npos) << text;

@@ -171,6 +171,7 @@ std::optional<CavaEnd> cava_end(const Volume<float>& blood, const End& vein, dou
   std::vector<double> own(areas.begin(), areas.begin() + own_planes);
   std::nth_element(own.begin(), own.begin() + own_planes / 2, own.end());
   const double own_mm2 = own[own_planes / 2], radius_mm = std::sqrt(own_mm2 / std::numbers::pi);
+  if (own_mm2 == 0) return std::nullopt;
   for (std::size_t n = own_planes; n < areas.size(); ++n) {
     if (areas[n] <= opened * own_mm2) continue;
     const double t = std::clamp((areas[n] - opened * own_mm2) / (areas[n] - areas[n - 1]), 0.0, 1.0);

@@ -17,6 +17,7 @@
 
 #include "generator/adapters/itk_volume.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::adapters {
 namespace {
@@ -124,8 +125,7 @@ void check_stack(const Stack& stack, const std::string& folder) {
     throw UserError(fmt::format("{} of its {} slices lie where another one lies", twice, stack.height_mm.size()),
                     folder, "put one phase, or one reconstruction, in a folder of its own");
   std::vector<double> sorted = step;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = upper_median(sorted);
   for (std::size_t k = 0; k < step.size(); ++k)
     if (std::abs(step[k] - usual) > share * usual)
       throw UserError(

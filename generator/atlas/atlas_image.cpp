@@ -12,6 +12,7 @@
 #include "generator/atlas/ventricles.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 #include "model/voxels_in_cell.hpp"
 
 namespace heart::atlas {
@@ -265,10 +266,7 @@ double wall_thickness(const Mask& wall, const Mask& outside, const Volume<float>
   for (std::size_t v = 0; v < wall.voxels.size(); ++v)
     if (wall.voxels[v] && to_outside.voxels[v] < reach && mine.voxels[v] < other.voxels[v])
       values.push_back(mine.voxels[v]);
-  if (values.empty()) return 0;
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
+  return values.empty() ? 0 : upper_median(values);
 }
 
 /// Upper face of the highest slice in which the cavity still has a good part of its largest cross-section.

@@ -8,6 +8,7 @@
 
 #include "generator/atlas/point_tree.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -89,10 +90,7 @@ Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, con
     observations.push_back({Row(1, d.x, d.y, d.z), samples[n].thickness_mm, nearness * nearness});
     sorted.push_back(samples[n].thickness_mm);
   }
-  const auto chosen =
-      sorted.begin() + static_cast<std::ptrdiff_t>(first_quantile * static_cast<double>(near.size() - 1));
-  std::nth_element(sorted.begin(), chosen, sorted.end());
-  Row fit(*chosen, 0, 0, 0);
+  Row fit(quantile(sorted, first_quantile), 0, 0, 0);
   for (int round = 0; round < rounds; ++round) {
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Row right = Row::Zero();
@@ -135,9 +133,7 @@ std::optional<double> noise_below(const std::vector<ThicknessSample>& samples, c
   for (std::size_t n = 0; n < fits.size(); ++n)
     if (fits[n] && samples[n].thickness_mm < fits[n]->value) below.push_back(fits[n]->value - samples[n].thickness_mm);
   if (below.empty()) return std::nullopt;
-  const auto half = below.begin() + static_cast<std::ptrdiff_t>(below.size() / 2);
-  std::nth_element(below.begin(), half, below.end());
-  return *half / normal_median;
+  return upper_median(below) / normal_median;
 }
 
 /// Where ridges begin, out of the samples themselves. Where nothing is uneven, as guessed.

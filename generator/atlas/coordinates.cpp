@@ -15,6 +15,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/corners.hpp"
 #include "model/crop.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -283,9 +284,7 @@ double median_thickness_mm(const std::vector<Between>& wall) {
   std::vector<double> sums;
   sums.reserve(wall.size());
   for (const Between& b : wall) sums.push_back(b.inner_mm + b.outer_mm);
-  const auto half = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
-  std::nth_element(sums.begin(), half, sums.end());
-  return *half;
+  return upper_median(sums);
 }
 
 bool in_outflow_tract(const WallEnds& ends, const Index3& at, double thickness_mm) {

@@ -9,6 +9,7 @@
 
 #include "generator/atlas/distance_map.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -51,9 +52,7 @@ double noise_mm(const Volume<float>& detail_mm, const std::vector<std::size_t>& 
   std::vector<float> sizes;
   sizes.reserve(voxels.size());
   for (const auto v : voxels) sizes.push_back(std::abs(detail_mm.voxels[v]));
-  const auto half = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), half, sizes.end());
-  return double{*half} / normal_median;
+  return double{upper_median(sizes)} / normal_median;
 }
 
 /// What `unbiased` smoothing leaves of a sine wave; its frequency as waves per standard deviation.

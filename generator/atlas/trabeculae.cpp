@@ -7,6 +7,7 @@
 #include "generator/atlas/point_tree.hpp"
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -60,15 +61,9 @@ Endocardium endocardium_of(const Volume<std::uint8_t>& parts, Part wall, const V
   return surface;
 }
 
-double median_of(std::vector<float> values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
-}
-
 /// Per point the quantile of `values` over the points within reach.
 std::vector<float> local_quantile(const PointCloud& cloud, const PointTree& tree, const std::vector<float>& values,
-                                  double quantile) {
+                                  double share) {
   std::vector<float> result(values.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(values.size()), [&](std::int64_t begin, std::int64_t end) {
     std::vector<std::pair<std::size_t, double>> near;
@@ -78,10 +73,7 @@ std::vector<float> local_quantile(const PointCloud& cloud, const PointTree& tree
       tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
       around.clear();
       for (const auto& [point, squared] : near) around.push_back(values[point]);
-      const auto chosen =
-          around.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(around.size() - 1));
-      std::nth_element(around.begin(), chosen, around.end());
-      result[n] = *chosen;
+      result[n] = quantile(around, share);
     }
   });
   return result;
@@ -95,7 +87,8 @@ void give_trabeculae_to_cavity(Volume<std::uint8_t>& parts, Part wall) {
   Endocardium surface = endocardium_of(parts, wall, to_outside, where);
   if (surface.cloud.points.empty()) return;
   // Nearer to the base than a wall is thick, the outside is nearest over its end, and the wall would look thin.
-  if (const double thickness_mm = median_of(surface.thickness_mm); thickness_mm > smooth_base_mm) {
+  auto thicknesses_mm = surface.thickness_mm;
+  if (const double thickness_mm = upper_median(thicknesses_mm); thickness_mm > smooth_base_mm) {
     where = trabeculated(parts, thickness_mm);
     surface = endocardium_of(parts, wall, to_outside, where);
     if (surface.cloud.points.empty()) return;

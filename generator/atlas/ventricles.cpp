@@ -18,6 +18,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -44,12 +45,6 @@ Vec3 mean_of(const std::vector<Vec3>& points) {
   return points.empty() ? sum : sum / static_cast<double>(points.size());
 }
 
-double percentile(std::vector<double> values, double share) {
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
-}
-
 /// Direction of the straight line through the centroids of slices across `axis` that are clear of the base.
 Vec3 centroid_line(const std::vector<Vec3>& lv, const Vec3& base_point, const Vec3& base_normal, const Vec3& axis,
                    double voxel_volume_mm3) {
@@ -61,7 +56,7 @@ Vec3 centroid_line(const std::vector<Vec3>& lv, const Vec3& base_point, const Ve
     deepest = std::max(deepest, t);
     if (std::abs(dot(p - base_point, base_normal)) < 2.5) at_base.push_back(t);
   }
-  const double from = (at_base.empty() ? 0 : percentile(at_base, 0.98)) + clear_mm;
+  const double from = (at_base.empty() ? 0 : quantile(at_base, 0.98)) + clear_mm;
   const auto slices = static_cast<std::size_t>(std::max(0.0, used_share * (deepest - from) / slice_mm));
   std::vector<Vec3> sum(slices);
   std::vector<double> count(slices);
@@ -206,7 +201,7 @@ Vec3 patient_base_point(const LabelVolume& labels, const Landmarks& landmarks, c
       along.push_back(dot(blood.back(), axis));
     }
   const Vec3 middle = mean_of(blood);
-  return middle + (percentile(along, 0.03) - dot(middle, axis)) * axis;
+  return middle + (quantile(along, 0.03) - dot(middle, axis)) * axis;
 }
 
 /// Total least squares.

@@ -8,6 +8,7 @@
 #include "generator/contours/spacing.hpp"
 #include "generator/segment/diffusion.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::contours {
 namespace {
@@ -59,12 +60,8 @@ Slab<float> edge_function(const Slab<float>& image, const EdgeSettings& settings
 double usual_edge_per_mm(const Volume<float>& image, double smoothing_mm) {
   if (image.voxels.empty()) throw UserError("the image is empty", "edge function", "check the input file");
   std::vector<float> values = image.voxels;
-  const auto rank = [&](double share) {
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return static_cast<double>(*at);
-  };
-  const double range = rank(0.99) - rank(0.01), sigma = std::max(smoothing_mm, 0.5 * smallest_spacing(image.grid));
+  const double range = double{quantile(values, 0.99)} - double{quantile(values, 0.01)},
+               sigma = std::max(smoothing_mm, 0.5 * smallest_spacing(image.grid));
   const double slope = range / (sigma * std::sqrt(2 * std::numbers::pi));
   return slope > 0 ? slope / 10 : 1;
 }

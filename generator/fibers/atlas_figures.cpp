@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "model/mesh_edges.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -86,14 +87,9 @@ double angle_deg(const Vec3& f, const Vec3& g) {
   return std::atan2(norm(cross(f, g)), std::abs(dot(f, g))) * 180 / std::numbers::pi;
 }
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
+double quantile_or_0(std::vector<double> values, double share) { return values.empty() ? 0 : quantile(values, share); }
 
-double p99(std::vector<double> values) { return quantile(std::move(values), 0.99); }
+double p99(std::vector<double> values) { return quantile_or_0(std::move(values), 0.99); }
 
 /// Along the edges of the atlas's own cells.
 void set_edge_turns(const atlas::FiberAtlas& atlas, AtlasFigures& figures) {
@@ -108,7 +104,7 @@ void set_edge_turns(const atlas::FiberAtlas& atlas, AtlasFigures& figures) {
   }
   figures.jump_p99_deg = p99(std::move(jumps));
   figures.turn_p99_deg_per_mm = p99(std::move(turns));
-  figures.edge_p50_mm = quantile(std::move(lengths), 0.5);
+  figures.edge_p50_mm = quantile_or_0(std::move(lengths), 0.5);
 }
 
 double carried_turn_per_wall(const CarriedAxes& c) {

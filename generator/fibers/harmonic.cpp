@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "generator/parallel/tasks.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -67,11 +68,10 @@ Rows farthest_rows(const Wall& wall, const Rows& among, const Vec3& direction, d
   along.reserve(among.size());
   for (const auto r : among) along.push_back(dot(wall.at(r), direction));
   auto sorted = along;
-  const auto at = static_cast<std::ptrdiff_t>((1 - share) * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
+  const double limit = quantile(sorted, 1 - share);
   Rows rows;
   for (std::size_t n = 0; n < among.size(); ++n)
-    if (along[n] >= sorted[static_cast<std::size_t>(at)]) rows.push_back(among[n]);
+    if (along[n] >= limit) rows.push_back(among[n]);
   return rows;
 }
 

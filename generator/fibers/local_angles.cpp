@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "generator/parallel/threads.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -222,12 +223,6 @@ Vec3 normal_of(const WallFeature& place) {
   return normal_scale * Vec3{place[facing], place[facing + 1], place[facing + 2]};
 }
 
-double median(std::vector<double> values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
-}
-
 }  // namespace
 
 WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend, const Vec3& atlas_normal) {
@@ -283,7 +278,7 @@ ShapeDifference shape_difference(const AngleSamples& samples, const std::vector<
     bend[n] = std::abs(own[bending] - there[bending]) * bend_scale;
     normal[n] = norm(normal_of(own) - normal_of(there));
   }
-  return {median(std::move(bend)), median(std::move(normal))};
+  return {upper_median(bend), upper_median(normal)};
 }
 
 ShapeShares shares_of(const ShapeDifference& difference) {

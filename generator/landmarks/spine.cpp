@@ -5,6 +5,7 @@
 
 #include "generator/landmarks/working_image.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -60,8 +61,7 @@ std::vector<double> median_filtered(const std::vector<double>& values, std::ptrd
     std::vector<double> window;
     for (std::ptrdiff_t n = at - half; n <= at + half; ++n)
       window.push_back(values[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(n, 0, last))]);
-    std::nth_element(window.begin(), window.begin() + half, window.end());
-    result.push_back(window[static_cast<std::size_t>(half)]);
+    result.push_back(upper_median(window));
   }
   return result;
 }

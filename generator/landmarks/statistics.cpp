@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/quantile.hpp"
+
 namespace heart::landmarks {
 namespace {
 
@@ -31,10 +33,7 @@ void rotate(Mat3& m, Mat3& v, int p, int q) {
 }  // namespace
 
 double quantile(std::vector<float>& values, double fraction) {
-  if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return static_cast<double>(values[static_cast<std::size_t>(at)]);
+  return values.empty() ? 0 : static_cast<double>(heart::quantile(values, fraction));
 }
 
 TwoLevels two_medians(std::vector<float>& values, double low_quantile, double high_quantile) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "generator/mesh/mesh_vessel.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -171,8 +172,7 @@ std::vector<const Shell*> branch_of(const std::vector<Shell>& shells, const std:
 double usual_area(const std::vector<const Shell*>& branch) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < std::min<std::size_t>(branch.size(), 12); ++i) areas.push_back(branch[i]->area_mm2);
-  std::nth_element(areas.begin(), areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2), areas.end());
-  return areas[areas.size() / 2];
+  return upper_median(areas);
 }
 
 // Least-squares line through the shells' centres from `first` on, over `length` mm.

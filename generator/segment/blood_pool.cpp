@@ -17,6 +17,7 @@
 #include "generator/segment/seeds.hpp"
 #include "generator/segment/typical_grey.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::segment {
 namespace {
@@ -100,10 +101,7 @@ double noise_hu(const Volume<float>& image, const Volume<float>& smooth, const M
   std::vector<float> deviation;
   for (std::size_t v = 0; v < blood.voxels.size(); ++v)
     if (blood.voxels[v]) deviation.push_back(std::abs(image.voxels[v] - smooth.voxels[v]));
-  if (deviation.empty()) return 0;
-  const auto middle = deviation.begin() + static_cast<std::ptrdiff_t>(deviation.size() / 2);
-  std::nth_element(deviation.begin(), middle, deviation.end());
-  return 1.48 * static_cast<double>(*middle);
+  return deviation.empty() ? 0 : 1.48 * static_cast<double>(upper_median(deviation));
 }
 
 struct SeedGreys {

@@ -17,6 +17,7 @@
 #include "generator/segment/wall_band.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::segment {
 namespace {
@@ -116,12 +117,7 @@ Mask find_lung(const Mask& body, const Mask& tissue) {
 constexpr double no_value = 1e6;
 
 /// no_value for none.
-float median(std::vector<float> values) {
-  if (values.empty()) return static_cast<float>(no_value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+float median(std::vector<float> values) { return values.empty() ? static_cast<float>(no_value) : upper_median(values); }
 
 double median_under(const Volume<float>& image, const LabelVolume& labels, Region region) {
   std::vector<float> values;

@@ -14,6 +14,7 @@
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/total_variation.hpp"
 #include "model/crop.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::segment {
 namespace {
@@ -28,10 +29,7 @@ constexpr float far_mm = 40;             // from walls no distance is asked for
 constexpr int sweeps = 200;
 
 double median_of(std::vector<float>& values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
+  return values.empty() ? otherwise : static_cast<double>(upper_median(values));
 }
 
 /// Distance from the left ventricle's blood at which half as much of a shell lies outside as at its greatest.

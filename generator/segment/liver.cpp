@@ -15,6 +15,7 @@
 #include "generator/segment/seeds.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::segment {
 namespace {
@@ -122,11 +123,7 @@ bool is_plausible(const Mask& liver, const Volume<float>& image, std::int64_t mi
     right += static_cast<std::int64_t>(v) % liver.grid.size[0] < middle;
   }
   if (static_cast<double>(greys.size()) * liver.grid.voxel_volume_mm3() < least_ml * 1000) return false;
-  const auto quartile = [&](std::size_t n) {
-    const auto at = greys.begin() + static_cast<std::ptrdiff_t>(n * greys.size() / 4);
-    std::nth_element(greys.begin(), at, greys.end());
-    return static_cast<double>(*at);
-  };
+  const auto quartile = [&](std::size_t n) { return static_cast<double>(ranked(greys, n * greys.size() / 4)); };
   return static_cast<double>(right) > least_right_share * static_cast<double>(greys.size()) &&
          quartile(3) - quartile(1) < most_spread_hu;
 }

@@ -7,6 +7,7 @@
 
 #include "generator/segment/box_around.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::segment {
 namespace {
@@ -78,10 +79,7 @@ double median_around(const CtVolume& ct, const Vec3& position_mm, double radius_
   for_ball(ct.grid, position_mm, radius_mm, [&](auto i, auto j, auto k, double) {
     if (ct(i, j, k) > least) values.push_back(ct(i, j, k));
   });
-  if (values.empty()) return least;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? least : lower_median(values);
 }
 
 }  // namespace heart::segment

@@ -16,6 +16,7 @@
 #include "generator/segment/seeds.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::segment {
 namespace {
@@ -123,9 +124,7 @@ double median_of(const CtVolume& ct, const Mask& mask) {
   std::vector<std::int16_t> values;
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
     if (mask.voxels[v]) values.push_back(ct.voxels[v]);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return upper_median(values);
 }
 
 /// The grey value of the lung that `air` leaks into; nothing where there is none. More air than airways can hold is

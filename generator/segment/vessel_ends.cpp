@@ -14,6 +14,7 @@
 #include "generator/segment/flood.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/sections.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::segment {
 namespace {
@@ -169,8 +170,7 @@ std::optional<CavaEnd> cava_end(const Volume<float>& blood, const End& vein, dou
     areas.push_back(found ? found->area_mm2 : 0);
   }
   std::vector<double> own(areas.begin(), areas.begin() + own_planes);
-  std::nth_element(own.begin(), own.begin() + own_planes / 2, own.end());
-  const double own_mm2 = own[own_planes / 2], radius_mm = std::sqrt(own_mm2 / std::numbers::pi);
+  const double own_mm2 = upper_median(own), radius_mm = std::sqrt(own_mm2 / std::numbers::pi);
   if (own_mm2 == 0) return std::nullopt;
   for (std::size_t n = own_planes; n < areas.size(); ++n) {
     if (areas[n] <= opened * own_mm2) continue;

@@ -9,6 +9,7 @@
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::segment {
 namespace {
@@ -41,10 +42,7 @@ double median_where(const CtVolume& ct, double otherwise, Keep keep) {
   std::vector<std::int16_t> values;
   for (std::size_t v = 0; v < ct.voxels.size(); ++v)
     if (keep(v)) values.push_back(ct.voxels[v]);
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? otherwise : upper_median(values);
 }
 
 /// Median of the soft tissue 2 to 6 mm outside the left ventricle's cavity.

@@ -6,6 +6,7 @@
 
 #include "generator/study/length.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heart::study {
 namespace {
@@ -30,11 +31,8 @@ GreyValues means(const Field& image, const Field& phi, const Domain& domain, con
   return {count[1] > 0 ? sum[1] / count[1] : before.positive, count[0] > 0 ? sum[0] / count[0] : before.negative};
 }
 
-double lower_median(std::vector<double>& values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double median_of(std::vector<double>& values, double otherwise) {
+  return values.empty() ? otherwise : lower_median(values);
 }
 
 GreyValues medians(const Field& image, const Field& phi, const Domain& domain, const GreyValues& before) {
@@ -42,7 +40,7 @@ GreyValues medians(const Field& image, const Field& phi, const Domain& domain, c
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i)
       if (domain.inside(i, j) != 0) (phi(i, j) >= 0 ? positive : negative).push_back(image(i, j));
-  return {lower_median(positive, before.positive), lower_median(negative, before.negative)};
+  return {median_of(positive, before.positive), median_of(negative, before.negative)};
 }
 
 /// Cost of a run of sorted values around its mean or median, from prefix sums of the values and of their squares.

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "generator/parallel/threads.hpp"
 
@@ -57,9 +58,9 @@ double seconds(const std::function<void()>& work) {
 
 double median_seconds(int repeats, const std::function<void()>& work) {
   work();
-  std::vector<double> times;
-  for (int n = 0; n < repeats; ++n) times.push_back(seconds(work));
-  return median(times);
+  std::vector<double> times(static_cast<std::size_t>(repeats));
+  for (double& time : times) time = seconds(work);
+  return median(std::move(times));
 }
 
 double slowest_seconds(const parallel::Comm& comm, const std::function<void()>& work) {

@@ -50,6 +50,7 @@ bool is_date(const std::string& text) {
 
 std::string tag_table(const std::map<std::string, std::int32_t>& tags, const std::string& head) {
   std::vector<std::pair<std::int32_t, std::string>> rows;
+  rows.reserve(tags.size());
   for (const auto& [name, tag] : tags) rows.emplace_back(tag, name);
   std::sort(rows.begin(), rows.end());
   std::string text = "| tag | " + head + " |\n|---:|---|\n";

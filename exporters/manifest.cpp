@@ -111,6 +111,7 @@ bool is_covered(const std::string& path) { return path != "manifest.json" && pat
 
 std::string content_id(const std::vector<ManifestFile>& files) {
   std::vector<std::string> lines;
+  lines.reserve(files.size());
   for (const auto& file : files) lines.push_back(file.path + " " + file.sha256 + "\n");
   std::sort(lines.begin(), lines.end());
   std::string text;
@@ -168,7 +169,7 @@ std::string manifest_text(const Manifest& manifest) {
 Manifest parse_manifest(const std::string& text, const std::string& path) {
   const std::string remedy = "is this the folder of a bundle, and is it whole?";
   try {
-    const Manifest manifest = manifest_from(Json::parse(text));
+    Manifest manifest = manifest_from(Json::parse(text));
     if (manifest.schema != bundle_schema)
       throw UserError("schema '" + manifest.schema + "' is not known to this version", path, "use a newer heartgen");
     if (manifest_text(manifest) != text) throw UserError("has been altered: manifest_sha256 differs", path, remedy);

@@ -11,7 +11,7 @@ std::filesystem::path write_family(const ExportTask& task, const std::string& na
   data.points = task.mesh.nodes_mm;
   data.tets = task.mesh.cells;
   data.cell_vectors["FIB_DIR"] = axes;
-  const auto path = task.folder / (task.mesh_name + "_" + name + ".vtu");
+  auto path = task.folder / (task.mesh_name + "_" + name + ".vtu");
   adapters::write_unstructured(path, data);
   return path;
 }

@@ -96,7 +96,7 @@ void write_axes(H5File& file, const std::string& group, const FiberField& fibers
 }
 
 std::filesystem::path write_h5(const ExportTask& task) {
-  const auto path = task.folder / (task.mesh_name + ".h5");
+  auto path = task.folder / (task.mesh_name + ".h5");
   const TetMesh& mesh = task.mesh;
   H5File file(path);
   file.write("/mesh/geometry", mesh.nodes_mm);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "model/labels.hpp"
@@ -17,7 +18,8 @@ namespace {
 struct Side {
   NodePair nodes;
   std::int32_t surface;
-  auto operator<=>(const Side&) const = default;
+  bool operator==(const Side&) const = default;
+  bool operator<(const Side& side) const { return std::tie(nodes, surface) < std::tie(side.nodes, side.surface); }
 };
 
 std::vector<Side> sides_of_faces(const TetMesh& mesh) {
@@ -46,6 +48,7 @@ std::vector<FeatureCurve> feature_curves(const TetMesh& mesh) {
     s = next;
   }
   std::vector<FeatureCurve> curves;
+  curves.reserve(found.size());
   for (auto& [tags, edges] : found) curves.push_back({tags, std::move(edges)});
   return curves;
 }

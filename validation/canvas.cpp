@@ -12,7 +12,7 @@
 namespace heart::validation {
 namespace {
 
-std::uint8_t channel(double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0) + 0.5); }
+std::uint8_t channel(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
 
 int base36(char c) { return c <= '9' ? c - '0' : c - 'a' + 10; }
 

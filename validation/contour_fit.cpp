@@ -102,6 +102,7 @@ void add_rows(Report& report, const std::string& scope, const std::vector<double
   add("edge_found", tried ? static_cast<double>(distance_mm.size()) / static_cast<double>(tried) : 0, "1");
   if (distance_mm.empty()) return;
   std::vector<double> absolute;
+  absolute.reserve(distance_mm.size());
   for (const double d : distance_mm) absolute.push_back(std::abs(d));
   const std::pair<std::string, double> figures[] = {{"edge_distance_median", quantile(distance_mm, 0.5)},
                                                     {"edge_distance_p95", quantile(absolute, 0.95)},

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <compare>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "generator/parallel/threads.hpp"
@@ -85,7 +85,7 @@ bool ids_are_valid(const TetMesh& mesh) {
 struct Half {
   Edge others;  ///< its other two nodes, ascending
   std::int32_t cell;
-  auto operator<=>(const Half&) const = default;
+  bool operator<(const Half& half) const { return std::tie(others, cell) < std::tie(half.others, half.cell); }
 };
 
 /// All faces of all cells, those of smallest node n from start[n] to start[n + 1].

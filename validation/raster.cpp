@@ -39,7 +39,7 @@ double edge_length(const ScreenPoint& a, const ScreenPoint& b) {
 Rgb blended(const std::array<Rgb, 3>& c, const std::array<double, 3>& w) {
   const auto channel = [&](auto member) {
     const double v = w[0] * (c[0].*member) + w[1] * (c[1].*member) + w[2] * (c[2].*member);
-    return static_cast<std::uint8_t>(std::clamp(v, 0.0, 255.0) + 0.5);
+    return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0, 255.0)));
   };
   return {channel(&Rgb::r), channel(&Rgb::g), channel(&Rgb::b)};
 }

@@ -144,7 +144,7 @@ Canvas draw_ct(const CtVolume* ct, const Frame& frame, const GreyWindow& window)
       if (!inside(ct->grid, index)) continue;
       const double hu = sample_linear(*ct, index);
       const double grey = std::clamp((hu - window.center_hu) / window.width_hu + 0.5, 0.0, 1.0) * 255;
-      const auto g = static_cast<std::uint8_t>(grey + 0.5);
+      const auto g = static_cast<std::uint8_t>(std::lround(grey));
       canvas.pixels[canvas.at(x, y)] = {g, g, g};
     }
   return canvas;

@@ -118,7 +118,7 @@ std::vector<Part> mesh_parts(const TetMesh& mesh, const std::vector<MeshFace>& f
                              const std::set<std::int32_t>& regions, bool skin, std::size_t budget,
                              const std::vector<double>& helix_deg) {
   std::vector<Part> parts;
-  const auto gather = [&](const BoundaryFaces& boundary, std::vector<std::int32_t> region_of_face,
+  const auto gather = [&](const BoundaryFaces& boundary, const std::vector<std::int32_t>& region_of_face,
                           const std::set<std::int32_t>& names, std::size_t limit) {
     double cube_mm = boundary.faces.size() > limit
                          ? std::sqrt(2.4 * total_area_mm2(mesh, boundary) / static_cast<double>(limit))

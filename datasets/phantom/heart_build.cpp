@@ -26,6 +26,7 @@ TemplateFrame template_frame() {
 Tube make_tube(const std::vector<CurvePoint>& control, const Place& place, double scale, int pieces = 6,
                double tube_reach = reach) {
   std::vector<CurvePoint> mapped;
+  mapped.reserve(control.size());
   for (const auto& point : control) mapped.push_back({place(point.at), point.radius * scale});
   return Tube(smooth_curve(mapped, pieces), tube_reach);
 }

@@ -27,6 +27,7 @@ const study::StudyEntry& entry_of(const std::string& name) {
 
 std::vector<study::StudyEntry> chosen(const std::vector<std::string>& names) {
   std::vector<study::StudyEntry> entries;
+  entries.reserve(names.size());
   for (const auto& name : names) entries.push_back(entry_of(name));
   if (names.empty()) entries.assign(study::all_studies().begin(), study::all_studies().end());
   return entries;

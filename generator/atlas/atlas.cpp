@@ -93,6 +93,7 @@ const std::vector<T>* preferred(const std::map<std::string, std::vector<T>>& arr
 
 std::vector<Vec3> leading_axes(const std::vector<Mat3>& tensors) {
   std::vector<Vec3> axes;
+  axes.reserve(tensors.size());
   for (const Mat3& t : tensors) axes.push_back(leading_axis({{t[0].x, t[1].y, t[2].z, t[0].y, t[0].z, t[1].z}}));
   return axes;
 }

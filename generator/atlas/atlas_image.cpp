@@ -130,8 +130,9 @@ Mask turned(const Mask& wall, const Vec3& axis, double spacing_mm) {
       for (std::int64_t i = 0; i < n; ++i) {
         const Vec3 at = row + static_cast<double>(i) * along_i;
         if (at.x < -0.5 || at.y < -0.5 || at.z < -0.5 || at.x >= end.x || at.y >= end.y || at.z >= end.z) continue;
-        result(i, j, k) = wall(static_cast<std::int64_t>(at.x + 0.5), static_cast<std::int64_t>(at.y + 0.5),
-                               static_cast<std::int64_t>(at.z + 0.5));
+        result(i, j, k) =
+            wall(static_cast<std::int64_t>(std::floor(at.x + 0.5)), static_cast<std::int64_t>(std::floor(at.y + 0.5)),
+                 static_cast<std::int64_t>(std::floor(at.z + 0.5)));
       }
     }
   return result;

@@ -22,7 +22,7 @@ constexpr double strong_contrast_floor_hu = 120;
 /// Maximum over each row window of half width 0 to reach_voxels.
 std::vector<Volume<float>> row_maxima(const Volume<float>& image) {
   std::vector<Volume<float>> maxima{image};
-  const auto [nx, ny, nz] = image.grid.size;
+  const std::int64_t nx = image.grid.size[0], ny = image.grid.size[1], nz = image.grid.size[2];
   for (int half = 1; half <= reach_voxels; ++half) {
     maxima.push_back(image);
     parallel::parallel_for(0, ny * nz, [&](std::int64_t begin, std::int64_t end) {
@@ -43,7 +43,7 @@ std::vector<Volume<float>> row_maxima(const Volume<float>& image) {
 Volume<float> brightest_within_reach(const Volume<float>& image) {
   const auto rows = row_maxima(image);
   Volume<float> result = image;
-  const auto [nx, ny, nz] = image.grid.size;
+  const std::int64_t nx = image.grid.size[0], ny = image.grid.size[1], nz = image.grid.size[2];
   parallel::parallel_for(0, nz, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t k = begin; k < end; ++k)
       for (std::int64_t j = 0; j < ny; ++j)

@@ -28,6 +28,7 @@ std::vector<Vec3> voxels_of(const LabelVolume& chambers, Region region) {
 template <class Value>
 Vec3 mean_of_farthest(const std::vector<Vec3>& points, Value&& value) {
   std::vector<float> values;
+  values.reserve(points.size());
   for (const Vec3& p : points) values.push_back(static_cast<float>(value(p)));
   const double limit = quantile(values, 1 - tip_share);
   std::vector<Vec3> farthest;

@@ -46,7 +46,8 @@ TwoLevels two_medians(std::vector<float>& values, double low_quantile, double hi
     const auto cut = std::upper_bound(values.begin(), values.end(), static_cast<float>(levels.threshold()));
     const auto below = cut - values.begin();
     if (below == 0 || cut == values.end()) break;
-    const TwoLevels next{value_at(static_cast<double>(below / 2)),
+    const auto below_middle = below / 2;
+    const TwoLevels next{value_at(static_cast<double>(below_middle)),
                          value_at(static_cast<double>(below) + 0.5 * (last - static_cast<double>(below)))};
     if (next.low == levels.low && next.high == levels.high) break;
     levels = next;

@@ -39,6 +39,7 @@ std::optional<ValvePatch> find_valve_patch(const LabelVolume& chambers, Region v
   if (contact.points.size() < fewest_faces || norm(contact.area_mm2) == 0) return std::nullopt;
   const auto members = largest_cluster(contact.points, linked_voxels * chambers.grid.spacing_mm.x);
   std::vector<Vec3> points;
+  points.reserve(members.size());
   for (const auto n : members) points.push_back(contact.points[n]);
   ValvePatch patch;
   patch.centre_mm = mean(points);

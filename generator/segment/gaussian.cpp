@@ -19,6 +19,7 @@ std::vector<float> half_kernel(double sigma_voxels) {
     sum += n == 0 ? weight.back() : 2 * weight.back();
   }
   std::vector<float> kernel;
+  kernel.reserve(weight.size());
   for (const double w : weight) kernel.push_back(static_cast<float>(w / sum));
   return kernel;
 }
@@ -58,7 +59,7 @@ void sum_rows(const Volume<float>& in, Volume<float>& out, std::int64_t j, std::
 Volume<float> gaussian(const Volume<float>& image, double sigma_mm) {
   Volume<float> now = image;
   Volume<float> next(image.grid);
-  const auto [nx, ny, nz] = image.grid.size;
+  const std::int64_t nx = image.grid.size[0], ny = image.grid.size[1], nz = image.grid.size[2];
   for (int axis = 0; axis < 3; ++axis) {
     const double sigma = sigma_mm / image.grid.spacing_mm[axis];
     if (sigma < 1.0 / 3) continue;

@@ -1,6 +1,7 @@
 #include "generator/segment/two_classes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -39,7 +40,7 @@ std::vector<std::int64_t> grey_histogram(const Slab<float>& image, const Slab<st
   const double scale = static_cast<double>(bins - 1) / (range.high - range.low);
   std::vector<std::int64_t> histogram(bins, 0);
   for (std::size_t i = 0; i < g.size(); ++i)
-    if (d[i]) ++histogram[static_cast<std::size_t>((double{g[i]} - range.low) * scale + 0.5)];
+    if (d[i]) ++histogram[static_cast<std::size_t>(std::lround((double{g[i]} - range.low) * scale))];
   parallel::sum_int64(comm, histogram);
   return histogram;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "generator/parallel/threads.hpp"
+#include "model/quantile.hpp"
 
 #ifdef __GLIBC__  // which the headers above define
 #include <malloc.h>
@@ -43,10 +44,7 @@ double now() {
 
 void count_processor_time(bool instead) { processor_time = instead; }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
+double median(std::vector<double> values) { return upper_median(values); }
 
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 

@@ -2,11 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
-
 #include "exporters/bundle_texts.hpp"
+#include "exporters/certificate_json.hpp"
 #include "exporters/files.hpp"
 #include "exporters/manifest.hpp"
 #include "generator/adapters/itk_io.hpp"
@@ -18,7 +15,6 @@
 namespace heart::exporters {
 namespace {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
@@ -30,7 +26,7 @@ void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path&
   if (!bundle.labels.voxels.empty())
     adapters::write_volume((folder / "images" / "labels.nii.gz").string(), bundle.labels);
   write_text(folder / "recipe.toml", bundle.recipe);
-  write_text(folder / "validation" / "metrics.json", report_json(bundle.metrics));
+  write_text(folder / "validation" / "metrics.json", certificate_json(bundle.certificate));
   write_text(folder / "validation" / "report.html", bundle.report_html);
   write_text(folder / "README.md", readme_text(manifest));
   write_text(folder / "LICENSE", license_text(manifest));
@@ -112,42 +108,5 @@ LabelVolume read_labels(const fs::path& folder) {
 }
 
 std::string read_recipe_text(const fs::path& folder) { return read_text(folder / "recipe.toml"); }
-
-std::string report_json(const Report& report) {
-  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
-  Json rows = Json::array();
-  for (const auto& row : report) {
-    Json json = {{"group", row.group}, {"scope", row.scope}, {"metric", row.metric}};
-    json["value"] = number(row.value);
-    json["unit"] = row.unit;
-    if (row.at_least) json["at_least"] = number(*row.at_least);
-    if (row.at_most) json["at_most"] = number(*row.at_most);
-    if (row.judges()) json["passed"] = row.passed();
-    rows.push_back(json);
-  }
-  const Json document = {{"passed", all_passed(report)}, {"rows", rows}};
-  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-Report read_metrics(const fs::path& folder) {
-  const fs::path path = folder / "validation" / "metrics.json";
-  const auto number = [](const Json& json) {
-    return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
-  };
-  try {
-    Report report;
-    const Json document = Json::parse(read_text(path));
-    for (const auto& json : document.at("rows")) {
-      ReportRow row{
-          json.at("group"), json.at("scope"), json.at("metric"), number(json.at("value")), json.at("unit"), {}, {}};
-      if (json.contains("at_least")) row.at_least = number(json.at("at_least"));
-      if (json.contains("at_most")) row.at_most = number(json.at("at_most"));
-      report.push_back(row);
-    }
-    return report;
-  } catch (const Json::exception& error) {
-    throw UserError(std::string("malformed metrics: ") + error.what(), path.string(), "is the bundle whole?");
-  }
-}
 
 }  // namespace heart::exporters

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "exporters/reserved_place.hpp"
-#include "model/report.hpp"
+#include "model/certificate.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
@@ -39,7 +39,7 @@ struct Bundle {
   std::vector<double> torso_from_heart;  ///< pose in another patient's torso, 3 rows of 4 numbers; empty: its own
   LabelVolume labels;
   std::map<std::string, TetMesh> meshes;  ///< "myocardium", "torso" ...
-  Report metrics;
+  Certificate certificate;
   std::string report_html;
   std::vector<BundleInput> inputs;
   std::map<std::string, std::string> tools;  ///< library: version
@@ -78,6 +78,8 @@ struct Manifest {
   std::vector<BundleInput> inputs;
   std::map<std::string, std::string> tools;
   std::vector<double> torso_from_heart;  ///< as in Bundle; not written where empty
+  std::vector<Warning> warnings;         ///< of the certificate
+  std::vector<UseVerdict> uses;
 };
 
 /// Throws UserError where a bundle cannot have that name or version: both are part of an archive's folder name.
@@ -98,9 +100,6 @@ TetMesh read_mesh(const std::filesystem::path& folder, const std::string& mesh_n
 
 /// images/labels.nii.gz
 LabelVolume read_labels(const std::filesystem::path& folder);
-
-/// validation/metrics.json
-Report read_metrics(const std::filesystem::path& folder);
 
 /// recipe.toml as text
 std::string read_recipe_text(const std::filesystem::path& folder);
@@ -126,8 +125,5 @@ void unpack_bundle(const std::filesystem::path& archive, const std::filesystem::
 /// Hex digest of a file's content or of a text. Throws UserError when the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& path);
 std::string sha256_of_text(const std::string& text);
-
-/// The rows as they stand in validation/metrics.json (also for --json).
-std::string report_json(const Report& report);
 
 }  // namespace heart::exporters

@@ -68,6 +68,23 @@ std::string mesh_table(const Manifest& manifest) {
   return text;
 }
 
+/// What a user must know before anything else.
+std::string trust_text(const Manifest& manifest) {
+  std::string text;
+  if (!manifest.uses.empty()) text += "## What it is fit for\n\n| use | | why |\n|---|---|---|\n";
+  for (const auto& use : manifest.uses) {
+    std::string why = fmt::format("{}", fmt::join(use.reasons, " "));
+    if (!use.remedy.empty()) why += (why.empty() ? "" : " ") + use.remedy;
+    text += fmt::format("| {} | {} | {} |\n", use.use, fitness_names.at(static_cast<std::size_t>(use.fitness)), why);
+  }
+  if (!manifest.uses.empty()) text += "\n";
+  if (!manifest.warnings.empty()) text += "## Warnings and notes\n\n";
+  for (const auto& warning : manifest.warnings)
+    text += fmt::format("- **{}** {} (`{}`)\n", warning_level_names.at(static_cast<std::size_t>(warning.level)),
+                        warning.text, warning.code);
+  return text.empty() ? "" : text + "\n";
+}
+
 constexpr const char* readme_files = R"(## Files
 
 | path | what |
@@ -200,7 +217,7 @@ Json crate_root(const Manifest& manifest, const Json& files, const Json& authors
 std::string readme_text(const Manifest& manifest) {
   std::string text = fmt::format("# {} {}\n\n", manifest.name, manifest.version);
   text += "Heart model for simulation, made by heartgen. Not for diagnosis or treatment.\n\n";
-  text += mesh_table(manifest) + "\n" + readme_files;
+  text += trust_text(manifest) + "## Meshes\n\n" + mesh_table(manifest) + "\n" + readme_files;
   text += "## Regions\n\n" + tag_table(manifest.regions, "region");
   text += "\n## Surfaces\n\n" + tag_table(manifest.surfaces, "surface");
   text += "\n## Rims\n\n" + tag_table(manifest.rims, "rim") + "\n";

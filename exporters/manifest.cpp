@@ -6,6 +6,7 @@
 #include <set>
 
 #include "exporters/files.hpp"
+#include "exporters/warning_json.hpp"
 #include "model/error.hpp"
 #include "model/feature_curves.hpp"
 #include "model/labels.hpp"
@@ -79,6 +80,8 @@ Json manifest_json(const Manifest& m) {
                {"meshes", m.meshes},   {"files", m.files},       {"content_id", m.content_id},
                {"inputs", m.inputs},   {"tools", m.tools}};
   if (!m.torso_from_heart.empty()) json["torso_from_heart"] = m.torso_from_heart;
+  if (!m.warnings.empty()) json["warnings"] = m.warnings;
+  if (!m.uses.empty()) json["uses"] = m.uses;
   return json;
 }
 
@@ -102,6 +105,8 @@ Manifest manifest_from(const Json& json) {
   json.at("inputs").get_to(m.inputs);
   json.at("tools").get_to(m.tools);
   if (json.contains("torso_from_heart")) json.at("torso_from_heart").get_to(m.torso_from_heart);
+  if (json.contains("warnings")) json.at("warnings").get_to(m.warnings);
+  if (json.contains("uses")) json.at("uses").get_to(m.uses);
   return m;
 }
 
@@ -142,6 +147,8 @@ Manifest describe_bundle(const Bundle& bundle) {
   m.inputs = bundle.inputs;
   m.tools = bundle.tools;
   m.torso_from_heart = bundle.torso_from_heart;
+  m.warnings = bundle.certificate.warnings;
+  m.uses = bundle.certificate.uses;
   std::array<bool, 256> in_labels{};
   for (const auto voxel : bundle.labels.voxels) in_labels[voxel] = true;
   std::set<std::int32_t> regions, surfaces;
@@ -175,6 +182,8 @@ Manifest parse_manifest(const std::string& text, const std::string& path) {
     if (manifest_text(manifest) != text) throw UserError("has been altered: manifest_sha256 differs", path, remedy);
     return manifest;
   } catch (const Json::exception& error) {
+    throw UserError(std::string("malformed manifest: ") + error.what(), path, remedy);
+  } catch (const std::invalid_argument& error) {
     throw UserError(std::string("malformed manifest: ") + error.what(), path, remedy);
   }
 }

@@ -14,13 +14,14 @@
 namespace heart::validation {
 namespace {
 
-std::string verdict_html(const Report* report) {
+std::string verdict_html(const Certificate* certificate) {
   const auto box = [](const char* tone, const std::string& title, const std::string& text) {
     return fmt::format(
         "<div class=\"verdict {}\"><i class=\"lamp\"></i><div><strong>{}</strong><span>{}</span></div></div>\n", tone,
         title, text);
   };
-  const Verdict verdict = report ? verdict_of(*report) : Verdict{};
+  const Report* report = certificate ? &certificate->rows : nullptr;
+  const Counts verdict = report ? counts_of(*report) : Counts{};
   if (verdict.judged == 0)
     return box("", "Nothing was judged", "No measure in this report has a bound. It shows, and does not certify.");
   if (verdict.failed == 0)
@@ -37,12 +38,8 @@ bool has_mesh(const ReportInput& input, const char* name) {
 /// What a reader must know before trusting a picture.
 std::vector<std::string> notes(const ReportInput& input) {
   std::vector<std::string> list;
-  if (input.image_is_synthetic) list.push_back("The image is synthetic: an analytic phantom, not a patient.");
-  if (input.atlas_is_standin)
-    list.push_back(
-        "The fibres come from the built-in stand-in atlas, made from published helix angles. It is not a measured "
-        "atlas.");
-  for (const auto& remark : input.remarks) list.push_back(remark);
+  if (input.certificate)
+    for (const auto& warning : input.certificate->warnings) list.push_back(warning.text);
   if (!input.labels) list.push_back("There is no label map in this report.");
   if (!has_mesh(input, "myocardium"))
     list.push_back("There is no mesh of the myocardium.");
@@ -65,9 +62,9 @@ std::string card(const std::string& value, const std::string& unit, const std::s
 
 std::string figures_html(const ReportInput& input) {
   std::string cards;
-  if (input.report) {
+  if (input.certificate) {
     const auto value = [&](const char* group, const char* scope, const char* metric) {
-      return row_value(*input.report, group, scope, metric);
+      return row_value(input.certificate->rows, group, scope, metric);
     };
     const auto one = [](double v) { return fmt::format("{:.1f}", v); };
     const auto whole = [](double v) { return readable(std::round(v)); };
@@ -106,11 +103,11 @@ std::string provenance_html(const ReportInput& input) {
 }
 
 std::string certificate_section(const ReportInput& input) {
-  if (!input.report || input.report->empty()) return "";
+  if (!input.certificate || input.certificate->rows.empty()) return "";
   std::string html = "<h2 id=\"certificate\">Certificate</h2>\n";
-  const std::string failed = failed_rows_html(*input.report);
+  const std::string failed = failed_rows_html(input.certificate->rows);
   if (!failed.empty()) html += "<h3>Failed</h3>\n" + failed;
-  return html + certificate_html(*input.report);
+  return html + certificate_html(input.certificate->rows);
 }
 
 /// Links to those sections that exist.
@@ -143,7 +140,7 @@ std::string make_report(const ReportInput& input) {
   html += report_style;
   html += "</style>\n</head>\n<body>\n<header>\n<p class=\"eyebrow\">Heart model report</p>\n<h1>" +
           escaped(input.name) + "<small>" + escaped(input.version) + "</small></h1>\n";
-  html += verdict_html(input.report) + notes_html(input) + figures_html(input) + navigation(body);
+  html += verdict_html(input.certificate) + notes_html(input) + figures_html(input) + navigation(body);
   html += "</header>\n<main>\n" + body +
           "</main>\n<footer>Made by heartgen. For research; not a medical device. All coordinates "
           "are LPS millimetres.</footer>\n<script>\n";

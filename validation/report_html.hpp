@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/report.hpp"
+#include "model/certificate.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 #include "validation/fiber_checks.hpp"
@@ -21,16 +21,13 @@ struct ReportInput {
   const LabelVolume* labels = nullptr;                     ///< null: no slices
   const std::map<std::string, TetMesh>* meshes = nullptr;  ///< "myocardium", "torso", ...; null: none
   const FacesOfMeshes* faces = nullptr;                    ///< of these meshes; null: found here
-  const Report* report = nullptr;                          ///< the certificate; null: none
+  const Certificate* certificate = nullptr;                ///< null: nothing was judged
 
   HelixProfile atlas_lv, atlas_rv;  ///< of the atlas itself; empty: not known
   std::string atlas_name;
-  bool atlas_is_standin = false;                            ///< the built-in synthetic atlas: said plainly at the top
-  bool image_is_synthetic = false;                          ///< the phantom
   std::vector<std::pair<std::string, std::string>> inputs;  ///< file name, SHA-256
   std::vector<std::pair<std::string, std::string>> tools;   ///< library, version
-  int picture_width_px = 620;        ///< of the larger pictures; the file's size follows its square
-  std::vector<std::string> remarks;  ///< what the user should know: what is missing, assumed, cut by the field of view
+  int picture_width_px = 620;  ///< of the larger pictures; the file's size follows its square
 };
 
 /// UTF-8 text of the HTML file.

@@ -39,7 +39,7 @@ std::string status(const ReportRow& row) {
   return row.passed() ? "<span class=\"pill good\">passed</span>" : "<span class=\"pill bad\">failed</span>";
 }
 
-std::string pill(const Verdict& verdict) {
+std::string pill(const Counts& verdict) {
   if (verdict.judged == 0) return "<span class=\"pill none\">measured</span>";
   if (verdict.failed == 0) return fmt::format("<span class=\"pill good\">{} passed</span>", verdict.judged);
   return fmt::format("<span class=\"pill bad\">{} of {} failed</span>", verdict.failed, verdict.judged);
@@ -58,8 +58,8 @@ std::string table(const std::vector<const ReportRow*>& rows, bool with_scope) {
   return html + "</tbody></table></div>\n";
 }
 
-Verdict verdict_of_rows(const std::vector<const ReportRow*>& rows) {
-  Verdict verdict;
+Counts counts_of_rows(const std::vector<const ReportRow*>& rows) {
+  Counts verdict;
   for (const ReportRow* row : rows) verdict.judged += row->judges(), verdict.failed += row->judges() && !row->passed();
   return verdict;
 }
@@ -157,13 +157,13 @@ std::string scope_block(const std::string& top, const RowsByScope& scopes) {
     if (scope == top) {
       inside += table(rows, false);
     } else if (scope.compare(0, top.size() + 1, top + "/") == 0) {
-      parts += block(scope.substr(top.size() + 1), pill(verdict_of_rows(rows)), table(rows, false));
+      parts += block(scope.substr(top.size() + 1), pill(counts_of_rows(rows)), table(rows, false));
     } else {
       continue;
     }
     all.insert(all.end(), rows.begin(), rows.end());
   }
-  const Verdict verdict = verdict_of_rows(all);
+  const Counts verdict = counts_of_rows(all);
   return block(top, pill(verdict), inside + parts);
 }
 
@@ -176,8 +176,8 @@ std::string group_title(const std::string& group) {
 
 }  // namespace
 
-Verdict verdict_of(const Report& report) {
-  Verdict verdict;
+Counts counts_of(const Report& report) {
+  Counts verdict;
   for (const ReportRow& row : report) verdict.judged += row.judges(), verdict.failed += row.judges() && !row.passed();
   return verdict;
 }

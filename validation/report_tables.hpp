@@ -8,10 +8,10 @@
 
 namespace heart::validation {
 
-struct Verdict {
+struct Counts {
   std::size_t judged = 0, failed = 0;
 };
-Verdict verdict_of(const Report& report);
+Counts counts_of(const Report& report);
 
 /// A number for people: at most four significant digits, thousands grouped, no exponent where it can be avoided.
 std::string readable(double value);

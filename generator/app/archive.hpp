@@ -18,6 +18,7 @@
 #include "generator/landmarks/landmarks.hpp"
 #include "generator/segment/hierarchy.hpp"
 #include "generator/segment/padding.hpp"
+#include "model/certificate.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
@@ -44,7 +45,8 @@ inline auto members(segment::SegmentationSide& s) {
 inline auto members(segment::Padding& p) {
   return std::tie(p.value_hu, p.axis, p.width, p.is_column, p.is_slice, p.wall, p.lids);
 }
-inline auto members(labels::GivenLabels& g) { return std::tie(g.labels, g.remarks); }
+inline auto members(Warning& w) { return std::tie(w.code, w.level, w.text); }
+inline auto members(labels::GivenLabels& g) { return std::tie(g.labels, g.warnings); }
 inline auto members(labels::TorsoPose& p) { return std::tie(p.torso_from_heart, p.scale, p.rms_mm, p.residual_mm); }
 inline auto members(DepthSamples& s) { return std::tie(s.depth, s.helix_deg); }
 inline auto members(fibers::AtlasFigures& f) {

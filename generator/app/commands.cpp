@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "exporters/bundle.hpp"
+#include "exporters/certificate_json.hpp"
 #include "exporters/registry.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
@@ -18,6 +19,7 @@
 #include "generator/app/input_files.hpp"
 #include "generator/app/mesh_certificate.hpp"
 #include "generator/app/pipeline.hpp"
+#include "generator/app/print_certificate.hpp"
 #include "generator/app/resolutions.hpp"
 #include "generator/app/stage_files.hpp"
 #include "generator/labels/given_labels.hpp"
@@ -88,32 +90,6 @@ std::vector<fs::path> write_mesh(const fs::path& path, const TetMesh& mesh) {
   return files;
 }
 
-std::string bound_text(const ReportRow& row) {
-  std::string text;
-  if (row.at_least) text += fmt::format(" >= {:g}", *row.at_least);
-  if (row.at_most) text += fmt::format(" <= {:g}", *row.at_most);
-  return text;
-}
-
-void print_row(const ReportRow& row) {
-  fmt::print("{:<6} {:<38} {:<34} {:>12.4g} {:<6}{}\n",
-             !row.judges()  ? ""
-             : row.passed() ? "ok"
-                            : "FAILED",
-             row.scope, row.metric, row.value, row.unit == "1" ? "" : row.unit, bound_text(row));
-}
-
-/// Every row, or those that failed, and the count.
-void print_rows(const Report& report, bool all_rows) {
-  int judged = 0, passed = 0;
-  for (const auto& row : report) {
-    judged += row.judges();
-    passed += row.judges() && row.passed();
-    if (all_rows || !row.passed()) print_row(row);
-  }
-  fmt::print("{} of {} checks passed\n", passed, judged);
-}
-
 void append(Report& report, const Report& rows) { report.insert(report.end(), rows.begin(), rows.end()); }
 
 validation::ReferenceFibers read_reference_fibers(const std::string& folder) {
@@ -133,14 +109,16 @@ Report kept_rows(const Report& before, const Report& again) {
   return kept;
 }
 
-Report failed_rows(const Report& report) {
-  Report failed;
-  std::copy_if(report.begin(), report.end(), std::back_inserter(failed), [](const auto& row) { return !row.passed(); });
-  return failed;
+/// Without the rows that passed or inform.
+Certificate summary_of(const Certificate& certificate) {
+  Certificate summary{{}, certificate.warnings, certificate.uses};
+  std::copy_if(certificate.rows.begin(), certificate.rows.end(), std::back_inserter(summary.rows),
+               [](const auto& row) { return row.verdict() > Verdict::passed; });
+  return summary;
 }
 
 Json with_files(const Report& report, const std::vector<fs::path>& files) {
-  Json out = Json::parse(exporters::report_json(report));
+  Json out = Json::parse(exporters::certificate_json({report, {}, {}}));
   out["files"] = Json::array();
   for (const auto& file : files) out["files"].push_back(file.lexically_normal().string());
   return out;
@@ -177,20 +155,20 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   options.progress = !command.quiet;
   const BuildResult result = build(recipe, options, comm);
   if (!comm.is_root()) return 0;
-  const bool passed = all_passed(result.metrics);
+  const int exit_code = verdict_of(result.certificate) == Verdict::failed ? validation_failed : 0;
   if (command.json) {
-    Json out = Json::parse(exporters::report_json(failed_rows(result.metrics)));
-    out["passed"] = passed;
+    Json out = Json::parse(exporters::certificate_json(summary_of(result.certificate)));
     out["bundle"] = command.output;
     out["content_id"] = result.content_id;
     out["report"] = (options.output / "validation" / "report.html").string();
     fmt::print("{}\n", out.dump(1));
-    return 0;
+    return exit_code;
   }
-  print_rows(result.metrics, false);
-  fmt::print("{}\nbundle      {}\ncontent id  {}\nreport      {}\n", result.log, command.output, result.content_id,
+  fmt::print("{}\n", result.log);
+  print_certificate(result.certificate, false);
+  fmt::print("bundle      {}\ncontent id  {}\nreport      {}\n", command.output, result.content_id,
              (options.output / "validation" / "report.html").string());
-  return 0;
+  return exit_code;
 }
 
 int validate_command(const ValidateCommand& command) {
@@ -206,22 +184,23 @@ int validate_command(const ValidateCommand& command) {
   const LabelVolume labels = exporters::read_labels(command.bundle);
   const Recipe recipe = bundle_recipe(command.bundle);
   const Report measured = certificate(meshes, labels, recipe.mesh, bounds_of(recipe));
-  Report report = kept_rows(exporters::read_metrics(command.bundle), measured);
+  Certificate certificate = exporters::read_certificate(command.bundle);
+  Report report = kept_rows(certificate.rows, measured);
   append(report, measured);
   if (known_labels) append(report, validation::compare_labels(labels, *known_labels));
   if (known_fibers && meshes.contains("myocardium"))
     append(report, validation::compare_fibers(meshes.at("myocardium"), *known_fibers));
-  const bool passed = all_passed(report);
+  certificate.rows = std::move(report);
   if (command.json)
-    fmt::print("{}\n", exporters::report_json(report));
+    fmt::print("{}\n", exporters::certificate_json(certificate));
   else
-    print_rows(report, command.all_rows);
+    print_certificate(certificate, command.all_rows);
   // What the user asked to compare is shown without --all.
   if (!command.json && !command.all_rows)
-    for (const auto& row : report)
+    for (const auto& row : certificate.rows)
       if (row.metric == "dice" || row.metric.starts_with("axis_error") || row.metric == "surface_distance_mean")
         print_row(row);
-  return passed ? 0 : validation_failed;
+  return verdict_of(certificate) == Verdict::failed ? validation_failed : 0;
 }
 
 int export_command(const ExportCommand& command) {
@@ -284,6 +263,9 @@ int info_command(const std::string& bundle, bool json) {
   if (json) {
     Json out{{"name", manifest.name}, {"version", manifest.version}, {"content_id", manifest.content_id},
              {"unit", manifest.unit}, {"frame", manifest.frame},     {"fibres", manifest.atlas}};
+    const Json certificate = Json::parse(exporters::certificate_json({{}, manifest.warnings, manifest.uses}));
+    out["warnings"] = certificate.at("warnings");
+    out["uses"] = certificate.at("uses");
     for (const auto& [name, mesh] : manifest.meshes)
       out["meshes"][name] = {{"nodes", mesh.nodes},     {"cells", mesh.cells},       {"labelled_faces", mesh.faces},
                              {"regions", mesh.regions}, {"surfaces", mesh.surfaces}, {"rims", mesh.rims}};
@@ -292,6 +274,7 @@ int info_command(const std::string& bundle, bool json) {
   }
   fmt::print("{} {}  content id {}\nunit {}, frame {}, fibres: {}\n", manifest.name, manifest.version,
              manifest.content_id, manifest.unit, manifest.frame, manifest.atlas.empty() ? "none" : manifest.atlas);
+  print_trust(manifest.uses, manifest.warnings);
   for (const auto& [name, mesh] : manifest.meshes) {
     fmt::print("\n{}: {} nodes, {} cells, {} labelled faces\n", name, mesh.nodes, mesh.cells, mesh.faces);
     for (const auto& [region, cells] : mesh.regions) fmt::print("  region  {:<28} {:>9} cells\n", region, cells);
@@ -307,7 +290,7 @@ int report_command(const std::string& bundle, const std::string& html, const std
   const auto manifest = exporters::read_manifest(bundle);
   const auto meshes = read_meshes(bundle);
   const LabelVolume labels = exporters::read_labels(bundle);
-  const Report metrics = exporters::read_metrics(bundle);
+  Certificate certificate = exporters::read_certificate(bundle);
   const CtVolume ct = ct_path.empty() ? CtVolume{} : ct_of_labels(ct_path, labels);
   validation::ReportInput input;
   input.name = manifest.name;
@@ -315,11 +298,12 @@ int report_command(const std::string& bundle, const std::string& html, const std
   input.ct = ct_path.empty() ? nullptr : &ct;
   input.labels = &labels;
   input.meshes = &meshes;
-  input.report = &metrics;
+  input.certificate = &certificate;
   input.atlas_name = manifest.atlas;
   for (const auto& file : manifest.inputs) input.inputs.emplace_back(file.name, file.sha256);
   for (const auto& [name, version] : manifest.tools) input.tools.emplace_back(name, version);
-  if (const auto remark = remark_on_ct(ct_path, manifest); !remark.empty()) input.remarks.push_back(remark);
+  if (const auto remark = remark_on_ct(ct_path, manifest); !remark.empty())
+    certificate.warnings.push_back({"report.ct", WarningLevel::note, remark});
   write_text(html, validation::make_report(input));
   print_written("report", html, json);
   return 0;

@@ -34,11 +34,15 @@ std::string listed(const labels::MissingGroups& missing) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string completion_remark(const labels::MissingGroups& missing, bool has_ct) {
-  if (!missing.any()) return "Everything else was left as the given labels have it.";
-  if (has_ct) return fmt::format("What the given labels lack of these was made from the CT: {}.", listed(missing));
-  return "Without a CT, walls that the given labels lack got the least thickness of the recipe, and nothing was added "
-         "around the heart.";
+Warning completion_warning(const labels::MissingGroups& missing, bool has_ct) {
+  if (!missing.any())
+    return {"labels.completed", WarningLevel::note, "Everything else was left as the given labels have it."};
+  if (has_ct)
+    return {"labels.completed", WarningLevel::note,
+            fmt::format("What the given labels lack of these was made from the CT: {}.", listed(missing))};
+  return {"labels.no_ct", WarningLevel::warning,
+          "Without a CT, walls that the given labels lack got the least thickness of the recipe, and nothing was "
+          "added around the heart."};
 }
 
 /// Chambers and the left ventricle's wall cannot be guessed.
@@ -92,17 +96,17 @@ void refuse_doubtful_landmarks(const Landmarks& all, const landmarks::FoundLandm
 }  // namespace
 
 segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& recipe,
-                                  std::vector<std::string>& remarks) {
+                                  std::vector<Warning>& warnings) {
   segment::Padding padding;
   if (!recipe.input.labels.empty()) return padding;
   parallel::run_on_root(run.comm, [&] {
     padding = segment::find_padding(*ct);
     segment::close_padding(ct.value, padding);
     if (padding.is_there())
-      remarks.push_back(
-          fmt::format("The CT holds {} HU where nothing was measured: the body ends there, with a surface that is "
-                      "called fov_cut.",
-                      padding.value_hu));
+      warnings.push_back({"ct.padding", WarningLevel::note,
+                          fmt::format("The CT holds {} HU where nothing was measured: the body ends there, with a "
+                                      "surface that is called fov_cut.",
+                                      padding.value_hu)});
   });
   return padding;
 }
@@ -114,7 +118,7 @@ bool chambers_are_marked(const Landmarks& landmarks) {
 }
 
 CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
-                                      std::vector<std::string>& remarks) {
+                                      std::vector<Warning>& warnings) {
   if (chambers_are_marked(given)) return {given};
   const auto found = run.root_stage("landmarks", {ct.key}, [&] { return landmarks::find_landmarks(*ct); });
   Landmarks all = given;
@@ -123,16 +127,18 @@ CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, cons
   if (!all.lv_apex_mm) all.lv_apex_mm = found->landmarks.lv_apex_mm;
   const bool corrected = run.files.replaced_by.contains("landmarks");
   if (!corrected) parallel::run_on_root(run.comm, [&] { refuse_doubtful_landmarks(all, *found); });
-  remarks.push_back(
-      fmt::format("Seeds and valves were found automatically, with a confidence of {:.2f}.", found->confidence));
-  for (const auto& warning : found->warnings) remarks.push_back("Automatic landmarks: " + warning);
+  warnings.push_back(
+      {"landmarks.automatic", WarningLevel::note,
+       fmt::format("Seeds and valves were found automatically, with a confidence of {:.2f}.", found->confidence)});
+  for (const auto& sentence : found->warnings)
+    warnings.push_back({"landmarks.anatomy", WarningLevel::warning, "Automatic landmarks: " + sentence});
   std::string text = write_landmarks(all);  // what the root found, for every rank
   parallel::broadcast(run.comm, text);
   return {parse_landmarks(text, "automatic landmarks"), found->ventricles_cut_cm2};
 }
 
 KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const std::string& hash,
-                              std::vector<std::string>& remarks) {
+                              std::vector<Warning>& warnings) {
   KnownLabels known;
   if (recipe.input.labels.empty()) return known;
   const bool has_ct = !recipe.input.ct.empty();
@@ -144,8 +150,8 @@ KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe
     labels::refuse_exchanged_regions(known.given->labels, recipe.input.labels);
     if (has_ct) labels::refuse_labels_beside_heart(known.given->labels, *ct, recipe.input.labels);
     if (!has_ct) refuse_what_needs_a_ct(known.given->labels, missing, recipe.input.labels);
-    remarks.insert(remarks.end(), known.given->remarks.begin(), known.given->remarks.end());
-    remarks.push_back(completion_remark(missing, has_ct));
+    warnings.insert(warnings.end(), known.given->warnings.begin(), known.given->warnings.end());
+    warnings.push_back(completion_warning(missing, has_ct));
     missing.body &= has_ct;
     return missing;
   });

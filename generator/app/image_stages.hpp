@@ -6,6 +6,7 @@
 #include "generator/app/run.hpp"
 #include "generator/labels/given_labels.hpp"
 #include "generator/segment/padding.hpp"
+#include "model/certificate.hpp"
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
 
@@ -19,8 +20,7 @@ struct KnownLabels {
 
 /// Closes what was not measured of a CT where cut lungs open into it, unless labels are given. Root only has the
 /// voxels. @collective
-segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& recipe,
-                                  std::vector<std::string>& remarks);
+segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& recipe, std::vector<Warning>& warnings);
 
 /// Whether seeds for all four chambers are given, so that none need to be looked for.
 bool chambers_are_marked(const Landmarks& landmarks);
@@ -33,13 +33,13 @@ struct CompletedLandmarks {
 /// The recipe's landmarks, completed by those found in the CT where the recipe does not mark all four chambers.
 /// What the recipe gives wins. @collective
 CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
-                                      std::vector<std::string>& remarks);
+                                      std::vector<Warning>& warnings);
 
 /// Reads the recipe's `input.labels`, if any, on the CT's grid; `hash` stands for the files' contents. Without a CT
-/// (no voxels) they keep their own grid, and what only a CT could add is missing no more, which the remarks say.
+/// (no voxels) they keep their own grid, and what only a CT could add is missing no more, which the warnings say.
 /// Throws UserError where chambers or ventricular walls are lacking that nothing can add. @collective
 KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const std::string& hash,
-                              std::vector<std::string>& remarks);
+                              std::vector<Warning>& warnings);
 
 /// The image stages: CT to label map. What is known already is not made again and never overwritten. No stage labels
 /// the `padding`, but a file that replaces a stage may. @collective

@@ -88,15 +88,25 @@ std::string mesh_section(Recipe recipe) {
   return recipe_section(recipe, "mesh");
 }
 
-std::vector<std::string> all_remarks(const Recipe& recipe, std::vector<std::string> lines, const Meshes& meshes,
-                                     const fibers::FiberResult& fibers) {
-  lines.insert(lines.end(), fibers.warnings.begin(), fibers.warnings.end());
+std::vector<Warning> all_warnings(const Recipe& recipe, const std::vector<Warning>& of_stages, const Meshes& meshes,
+                                  const fibers::FiberResult& fibers) {
+  std::vector<Warning> warnings;
+  if (recipe.synthetic_image)
+    warnings.push_back(
+        {"image.synthetic", WarningLevel::note, "The image is synthetic: an analytic phantom, not a patient."});
   if (recipe.input.atlas.empty())
-    lines.emplace_back("The fibres come from the built-in stand-in atlas, a synthetic heart, not from measurements.");
+    warnings.push_back(
+        {"fibers.standin_atlas", WarningLevel::note,
+         "The fibres come from the built-in stand-in atlas, a synthetic heart with published helix angles, not from "
+         "measurements."});
+  warnings.insert(warnings.end(), of_stages.begin(), of_stages.end());
+  warnings.insert(warnings.end(), fibers.warnings.begin(), fibers.warnings.end());
   for (const auto& name : recipe.mesh.meshes)
     if (!meshes.contains(name))
-      lines.push_back(fmt::format("The recipe asks for the mesh \"{}\", but the input does not contain it.", name));
-  return lines;
+      warnings.push_back(
+          {"mesh.missing", WarningLevel::note,
+           fmt::format("The recipe asks for the mesh \"{}\", but the input does not contain it.", name)});
+  return warnings;
 }
 
 std::vector<Region> needed_regions() {
@@ -158,21 +168,17 @@ std::string hash_of(const std::vector<exporters::BundleInput>& inputs, const std
   return "none";
 }
 
-validation::ReportInput report_input(const Recipe& recipe, const exporters::Bundle& bundle, const CtVolume& ct,
-                                     const std::vector<std::string>& lines) {
+validation::ReportInput report_input(const Recipe& recipe, const exporters::Bundle& bundle, const CtVolume& ct) {
   validation::ReportInput input;
   input.name = recipe.name;
   input.version = recipe.version;
   input.ct = ct.voxels.empty() ? nullptr : &ct;
   input.labels = &bundle.labels;
   input.meshes = &bundle.meshes;
-  input.report = &bundle.metrics;
+  input.certificate = &bundle.certificate;
   input.atlas_name = bundle.atlas;
-  input.atlas_is_standin = recipe.input.atlas.empty();
-  input.image_is_synthetic = recipe.synthetic_image;
   for (const auto& file : bundle.inputs) input.inputs.emplace_back(file.name, file.sha256);
   for (const auto& [name, version] : bundle.tools) input.tools.emplace_back(name, version);
-  input.remarks = lines;
   return input;
 }
 
@@ -183,7 +189,7 @@ std::string describe_atlas(const Recipe& recipe) {
 
 exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, Meshes meshes,
                               const fibers::FiberResult& fibers, const Resolutions& further,
-                              std::vector<exporters::BundleInput> inputs, std::vector<std::string> remarks,
+                              std::vector<exporters::BundleInput> inputs, const std::vector<Warning>& warnings,
                               const Report& pose) {
   exporters::Bundle bundle;
   bundle.name = recipe.name;
@@ -197,17 +203,19 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   bundle.labels = labels;
   bundle.inputs = std::move(inputs);
   bundle.tools = tool_versions();
-  auto lines = all_remarks(recipe, std::move(remarks), meshes, fibers);
+  auto& certificate = bundle.certificate;
+  certificate.warnings = all_warnings(recipe, warnings, meshes, fibers);
   bundle.meshes = std::move(meshes);
   bundle.meshes["myocardium"] = with_fibers(std::move(bundle.meshes["myocardium"]), fibers);
   bundle.meshes.insert(further.meshes.begin(), further.meshes.end());
   const auto faces = validation::faces_of_meshes(bundle.meshes);
-  bundle.metrics = all_metrics(recipe, ct, labels, bundle.meshes, faces, fibers);
+  certificate.rows = all_metrics(recipe, ct, labels, bundle.meshes, faces, fibers);
   const Report distances = resolution_distances(further);
-  bundle.metrics.insert(bundle.metrics.end(), distances.begin(), distances.end());
-  bundle.metrics.insert(bundle.metrics.end(), pose.begin(), pose.end());
-  if (auto remark = validation::remark_on_jumps(bundle.metrics); !remark.empty()) lines.push_back(std::move(remark));
-  auto input = report_input(recipe, bundle, ct, lines);
+  certificate.rows.insert(certificate.rows.end(), distances.begin(), distances.end());
+  certificate.rows.insert(certificate.rows.end(), pose.begin(), pose.end());
+  if (auto text = validation::remark_on_jumps(certificate.rows); !text.empty())
+    certificate.warnings.push_back({"fibers.too_coarse", WarningLevel::warning, std::move(text)});
+  auto input = report_input(recipe, bundle, ct);
   input.faces = &faces;
   input.atlas_lv = validation::helix_profile(fibers.figures.atlas.lv);
   input.atlas_rv = validation::helix_profile(fibers.figures.atlas.rv);
@@ -273,7 +281,7 @@ StageFiles stage_files(const Recipe& recipe, const BuildOptions& options) {
 
 /// Leaves in the recipe the files that changed a result, and says so.
 void settle_replacements(const Run& run, ReplaceSettings& replace, std::vector<exporters::BundleInput>& inputs,
-                         std::vector<std::string>& remarks) {
+                         std::vector<Warning>& warnings) {
   const auto changed = [&](const std::string& stage) {
     return std::any_of(run.files.changed.begin(), run.files.changed.end(),
                        [&](const auto& entry) { return entry.substr(0, entry.find(' ')) == stage; });
@@ -282,8 +290,9 @@ void settle_replacements(const Run& run, ReplaceSettings& replace, std::vector<e
       [&](const char* stage, std::string& file, const char*) {
         if (!file.empty() && changed(stage)) {
           inputs.push_back(hash_input(stage, file));
-          remarks.push_back(fmt::format("The result of the stage \"{}\" was replaced by the file {}.", stage,
-                                        fs::path(file).filename().string()));
+          warnings.push_back({"stage.replaced", WarningLevel::note,
+                              fmt::format("The result of the stage \"{}\" was replaced by the file {}.", stage,
+                                          fs::path(file).filename().string())});
         } else {
           file.clear();
         }
@@ -296,7 +305,7 @@ void settle_replacements(const Run& run, ReplaceSettings& replace, std::vector<e
 BuildResult build(const Recipe& given, const BuildOptions& options, const parallel::Comm& comm) {
   Recipe recipe = given;
   std::vector<exporters::BundleInput> inputs;
-  std::vector<std::string> remarks;
+  std::vector<Warning> warnings;
   Run run;
   run.comm = comm;
   run.cache_folder = options.cache_folder;
@@ -316,16 +325,16 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   auto ct = run.root_stage("read", {hash_of(inputs, "ct")},
                            [&] { return recipe.input.ct.empty() ? CtVolume{} : adapters::read_ct(recipe.input.ct); });
   const auto known =
-      read_known_labels(run, ct, recipe, hash_of(inputs, "labels") + hash_of(inputs, "label_names"), remarks);
+      read_known_labels(run, ct, recipe, hash_of(inputs, "labels") + hash_of(inputs, "label_names"), warnings);
   run.progress.plan = stage_plan(recipe, known.missing);
   if (recipe.input.ct.empty()) ct.value.grid = known.given->labels.grid;  // without voxels
   run.files.grid = ct->grid;
   parallel::run_on_root(comm, [&] { check_seeds_inside(ct->grid, recipe.landmarks); });
-  const auto padding = close_unmeasured(run, ct, recipe, remarks);
+  const auto padding = close_unmeasured(run, ct, recipe, warnings);
   const auto& files = run.files.replaced_by;
   const bool chambers_of_ct = known.missing.chambers && !files.contains("chambers") && !files.contains("labels");
   if (known.missing.chambers) {
-    auto completed = complete_landmarks(run, ct, recipe.landmarks, remarks);
+    auto completed = complete_landmarks(run, ct, recipe.landmarks, warnings);
     recipe.landmarks = std::move(completed.landmarks);
     parallel::run_on_root(comm, [&] {
       if (chambers_of_ct) refuse_cut_ventricles(completed.ventricles_cut_cm2);
@@ -338,11 +347,11 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
     check_memory(*heart, recipe.mesh, machine_memory_bytes());
     if (chambers_of_ct) refuse_cut_ventricles(*heart, padding);
     refuse_mirrored_heart(*heart, recipe.landmarks);
-    settle_replacements(run, recipe.replace, inputs, remarks);
+    settle_replacements(run, recipe.replace, inputs, warnings);
   });
   const auto torso_hash =
       hash_of(inputs, "torso.ct") + hash_of(inputs, "torso.labels") + hash_of(inputs, "torso.landmarks");
-  const auto around = surround(run, heart, ct.value.grid, recipe, torso_hash, remarks);
+  const auto around = surround(run, heart, ct.value.grid, recipe, torso_hash, warnings);
   const bool has_torso = recipe.torso.is_given();
   const LabelVolume& labels = has_torso ? around->labels : *heart;
   const auto& labels_key = has_torso ? around.key : heart.key;
@@ -367,9 +376,9 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   run.cache_folder.clear();  // the bundle itself is on disk: no second copy
   const auto content_id = run.root_stage("bundle", {}, [&] {
     const Report pose = has_torso ? torso_rows(*around) : Report{};
-    auto bundle = make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, inputs, remarks, pose);
+    auto bundle = make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, inputs, warnings, pose);
     bundle.logs["build.log"] = time_log(run);
-    result.metrics = bundle.metrics;
+    result.certificate = bundle.certificate;
     return exporters::write_bundle(bundle, place, existing);
   });
   parallel::run_on_root(comm, [&] { forget_other_entries(options.cache_folder, run.used_keys); });

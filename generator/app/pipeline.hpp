@@ -19,7 +19,7 @@ struct BuildOptions {
 
 struct BuildResult {
   std::string content_id;
-  Report metrics;
+  Certificate certificate;
   std::string log;  ///< seconds per stage
 };
 

@@ -61,7 +61,7 @@ struct Person {
 };
 
 /// The other patient's CT goes through the same image stages; their progress is not shown, their results are not kept.
-Person segmented(Run& run, const Recipe& recipe, const std::string& torso_hash, std::vector<std::string>& remarks) try {
+Person segmented(Run& run, const Recipe& recipe, const std::string& torso_hash, std::vector<Warning>& warnings) try {
   Recipe other = recipe;
   other.input = {};
   other.input.ct = recipe.torso.ct;
@@ -72,12 +72,13 @@ Person segmented(Run& run, const Recipe& recipe, const std::string& torso_hash, 
   own.cache_folder = run.cache_folder;
   own.program_hash = run.program_hash;
   auto ct = own.root_stage("read", {torso_hash}, [&] { return adapters::read_ct(other.input.ct); });
-  std::vector<std::string> lines;
-  const auto padding = close_unmeasured(own, ct, other, lines);
-  other.landmarks = complete_landmarks(own, ct, other.landmarks, lines).landmarks;
+  std::vector<Warning> own_warnings;
+  const auto padding = close_unmeasured(own, ct, other, own_warnings);
+  other.landmarks = complete_landmarks(own, ct, other.landmarks, own_warnings).landmarks;
   Person person{label_ct(own, ct, other, {}, padding).value, other.landmarks, padding};
   run.used_keys.insert(run.used_keys.end(), own.used_keys.begin(), own.used_keys.end());
-  for (const auto& line : lines) remarks.push_back("The torso's CT: " + line);
+  for (const auto& [code, level, text] : own_warnings)
+    warnings.push_back({"torso." + code, level, "The torso's CT: " + text});
   return person;
 } catch (const UserError& error) {
   throw UserError(error.problem, "[torso] of the recipe, " + error.where, error.remedy);
@@ -153,10 +154,10 @@ void check_torso(const TorsoSettings& s) {
 }
 
 Staged<TorsoAround> surround(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid, Recipe& recipe,
-                             const std::string& torso_hash, std::vector<std::string>& remarks) {
+                             const std::string& torso_hash, std::vector<Warning>& warnings) {
   if (!recipe.torso.is_given()) return {};
   Person person;
-  if (!recipe.torso.ct.empty()) person = segmented(run, recipe, torso_hash, remarks);
+  if (!recipe.torso.ct.empty()) person = segmented(run, recipe, torso_hash, warnings);
   std::string sections;  // on which the other patient's map and the pose depend
   for (const char* name : {"denoise", "segmentation", "chambers", "epicardium", "landmarks", "torso"})
     sections += recipe_section(recipe, name);
@@ -164,7 +165,7 @@ Staged<TorsoAround> surround(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid
     if (!recipe.torso.labels.empty()) person = read_person(recipe.torso);
     return place(*heart, recipe, person);
   });
-  remarks.push_back(remark_of(*around, recipe.torso));
+  warnings.push_back({"torso.other_patient", WarningLevel::note, remark_of(*around, recipe.torso)});
   const auto& pose = around->pose.torso_from_heart;
   recipe.torso.torso_from_heart = numbers_of(pose);
   recipe.torso.landmarks.clear();  // the pose is what they gave

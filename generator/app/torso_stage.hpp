@@ -6,6 +6,7 @@
 #include "generator/app/run.hpp"
 #include "generator/labels/place_heart.hpp"
 #include "generator/segment/padding.hpp"
+#include "model/certificate.hpp"
 #include "model/landmarks.hpp"
 #include "model/recipe.hpp"
 #include "model/report.hpp"
@@ -35,7 +36,7 @@ inline auto members(TorsoAround& t) {
 /// heart's images go there: whatever is made from them is there, too. `torso_hash` stands for the torso's files.
 /// Throws UserError as common_marks and place_heart do. The result counts on the root. @collective
 Staged<TorsoAround> surround(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid, Recipe& recipe,
-                             const std::string& torso_hash, std::vector<std::string>& remarks);
+                             const std::string& torso_hash, std::vector<Warning>& warnings);
 
 /// The recipe's landmarks, and a grid, which stay in the frame of the heart's image, in that of the bundle.
 Landmarks landmarks_in_bundle(const Recipe& recipe);

@@ -207,23 +207,26 @@ void compare_with_second(const Hearts& hearts, const PointWalls& walls, const st
   result.second_p95_deg = angles_deg[(angles_deg.size() - 1) * 95 / 100];
 }
 
-std::vector<std::string> warnings_of(const Hearts& hearts, const FiberResult& result) {
+std::vector<Warning> warnings_of(const Hearts& hearts, const FiberResult& result) {
   constexpr double doubtful_deg = 5;  // beyond, the true errors averaged 11 to 24 degrees in trials on known fields
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
+  const auto warn = [&](const char* code, std::string text) {
+    warnings.push_back({code, WarningLevel::warning, std::move(text)});
+  };
   const auto& r = hearts.registration;
   if (r.pose.rms_mm > 3)
-    warnings.push_back(fmt::format("the atlas fits only to {:.1f} mm before the warp", r.pose.rms_mm));
+    warn("fibers.atlas_pose", fmt::format("The atlas fits only to {:.1f} mm before the warp.", r.pose.rms_mm));
   if (r.wall_overlap < 0.6)
-    warnings.push_back(
-        fmt::format("warped atlas and patient share only {:.0f} % of their walls", 100 * r.wall_overlap));
-  if (r.min_jacobian <= 0) warnings.push_back(fmt::format("the warp folds (smallest Jacobian {:.3f})", r.min_jacobian));
+    warn("fibers.atlas_overlap",
+         fmt::format("Warped atlas and patient share only {:.0f} % of their walls.", 100 * r.wall_overlap));
+  if (r.min_jacobian <= 0)
+    warn("fibers.warp_folds", fmt::format("The warp folds (smallest Jacobian {:.3f}).", r.min_jacobian));
   if (result.second_mean_deg > doubtful_deg)
-    warnings.push_back(
-        fmt::format("two ways of carrying the atlas differ by {:.1f} degrees on average: the fibres are "
-                    "doubtful",
-                    result.second_mean_deg));
+    warn("fibers.methods_differ",
+         fmt::format("Two ways of carrying the atlas differ by {:.1f} degrees on average: the fibres are doubtful.",
+                     result.second_mean_deg));
   if (hearts.patient.frame.rv_side.x > 0.3)
-    warnings.push_back("the right ventricle lies to the left of the left one: the image may be mirrored");
+    warn("fibers.mirrored", "The right ventricle lies to the left of the left one: the image may be mirrored.");
   return warnings;
 }
 
@@ -309,7 +312,8 @@ FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels,
   result.atlas_overlap = hearts.registration.wall_overlap;
   result.warnings = warnings_of(hearts, result);
   if (rule.nodes.empty())
-    result.warnings.emplace_back("the mesh lacks surfaces of the ventricles, so that there are no rule-based fibres");
+    result.warnings.push_back({"fibers.no_rule", WarningLevel::warning,
+                               "The mesh lacks surfaces of the ventricles, so that there are no rule-based fibres."});
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "generator/atlas/atlas.hpp"
 #include "generator/fibers/atlas_figures.hpp"
+#include "model/certificate.hpp"
 #include "model/landmarks.hpp"
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
@@ -31,10 +32,10 @@ struct FiberResult {
   double min_jacobian = 0;                 ///< smallest Jacobian of the warp on its grid; > 0: it folds nowhere
   double affine_rms_mm = 0;                ///< misfit of the clipped distance maps after the affine step
   double atlas_overlap = 0;                ///< Dice of the ventricular walls after the warp
-  double second_mean_deg = 0;         ///< mean angle between the chosen method's axes and the second best's, and its
-  double second_p95_deg = 0;          ///< 95th percentile, over the ventricles' nodes where both have an axis
-  std::vector<std::string> warnings;  ///< what a reader of the certificate should look at
-  std::vector<PartTime> part_times;   ///< in the order of the work; for logs only, never cached
+  double second_mean_deg = 0;        ///< mean angle between the chosen method's axes and the second best's, and its
+  double second_p95_deg = 0;         ///< 95th percentile, over the ventricles' nodes where both have an axis
+  std::vector<Warning> warnings;     ///< what a reader of the certificate should look at
+  std::vector<PartTime> part_times;  ///< in the order of the work; for logs only, never cached
 };
 
 /// Throws UserError for a method that does not exist and for grids out of range; carry_fibers checks the same.

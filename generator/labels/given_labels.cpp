@@ -214,10 +214,11 @@ void bring_to(const Grid& grid, const std::string& path, GivenLabels& given) {
   given.labels = resampled(given.labels, grid);
   if (!any_label(given.labels))
     throw UserError("does not reach into the CT", path, "are both of the same patient and in the same frame?");
-  given.remarks.push_back(fmt::format(
-      "The given labels were taken from a grid of {} x {} x {} voxels of {:g} x {:g} x {:g} mm to the CT's, "
-      "each voxel from the nearest.",
-      own.size[0], own.size[1], own.size[2], own.spacing_mm.x, own.spacing_mm.y, own.spacing_mm.z));
+  given.warnings.push_back(
+      {"labels.resampled", WarningLevel::note,
+       fmt::format("The given labels were taken from a grid of {} x {} x {} voxels of {:g} x {:g} x {:g} mm to the "
+                   "CT's, each voxel from the nearest.",
+                   own.size[0], own.size[1], own.size[2], own.spacing_mm.x, own.spacing_mm.y, own.spacing_mm.z)});
 }
 
 std::string listed_regions(const LabelVolume& labels) {
@@ -244,8 +245,9 @@ GivenLabels read_given_labels(const InputSettings& input, const LabelSettings& s
   if (!any_label(given.labels))
     throw UserError("holds no region at all", input.labels, "check labels.preset and [labels.regions]");
   if (grid) bring_to(*grid, input.labels, given);
-  given.remarks.insert(given.remarks.begin(),
-                       fmt::format("Regions taken from the given labels: {}.", listed_regions(given.labels)));
+  given.warnings.insert(given.warnings.begin(),
+                        {"labels.given", WarningLevel::note,
+                         fmt::format("Regions taken from the given labels: {}.", listed_regions(given.labels))});
   return given;
 }
 

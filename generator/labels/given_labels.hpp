@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "model/certificate.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
@@ -10,8 +11,8 @@
 namespace heart::labels {
 
 struct GivenLabels {
-  LabelVolume labels;                ///< region tags, 0 where nothing is given; no voxels at all without any input
-  std::vector<std::string> remarks;  ///< what a reader of the model must know: where from, resampled, what was unused
+  LabelVolume labels;             ///< region tags, 0 where nothing is given; no voxels at all without any input
+  std::vector<Warning> warnings;  ///< what a reader of the model must know: where from, resampled, what was unused
 };
 
 /// Reads `input.labels`: an image with one value per structure (NIfTI, NRRD, MetaImage, 3D Slicer's .seg.nrrd with its

@@ -35,8 +35,8 @@ TEST_P(RealScans, HaveAllChambersWithoutALandmark) {
   const Staged<CtVolume> ct{adapters::read_ct(file), ""};
   Recipe recipe;
   recipe.segmentation = default_segmentation();
-  std::vector<std::string> remarks;
-  recipe.landmarks = complete_landmarks(run, ct, {}, remarks).landmarks;
+  std::vector<Warning> warnings;
+  recipe.landmarks = complete_landmarks(run, ct, {}, warnings).landmarks;
   const auto labels = label_ct(run, ct, recipe);
   for (const auto& [region, least_ml, most_ml] : usual) {
     EXPECT_GT(volume_ml(*labels, region), least_ml) << region_name(tag(region));

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "exporters/bundle.hpp"
+#include "exporters/certificate_json.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "model/labels.hpp"
 #include "support/data.hpp"
@@ -60,7 +60,7 @@ class AnotherTorso : public ::testing::Test {
     return path;
   }
   static double value(const std::string& bundle, const std::string& metric) {
-    for (const auto& row : exporters::read_metrics(folder() / bundle))
+    for (const auto& row : exporters::read_certificate(folder() / bundle).rows)
       if (row.group == "pose" && row.metric == metric) return row.value;
     ADD_FAILURE() << metric;
     return -1;

@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "exporters/certificate_json.hpp"
+#include "exporters/files.hpp"
 #include "model/error.hpp"
 #include "support/comma_locale.hpp"
 #include "support/data.hpp"
@@ -47,8 +49,8 @@ Bundle sample_bundle() {
     bundle.labels.voxels[v] = static_cast<std::uint8_t>(v % 3);
   bundle.meshes["myocardium"] = two_region_mesh(2);
   bundle.meshes["trachea"] = two_region_mesh(1, Region::trachea);
-  bundle.metrics = {{"mesh", "myocardium", "dihedral_min", 31.25, "deg", 5.0, std::nullopt},
-                    {"fibers", "myocardium", "jump", 1.0 / 3, "deg", std::nullopt, 0.25}};
+  bundle.certificate.rows = {{"mesh", "myocardium", "dihedral_min", 31.25, "deg", 5.0, std::nullopt},
+                             {"fibers", "myocardium", "jump", 1.0 / 3, "deg", std::nullopt, 0.25}};
   bundle.report_html = "<html></html>";
   bundle.inputs = {{"ct: patient.nii.gz", std::string(64, 'a'), 1234}};
   bundle.tools = {{"VTK", "9.1.0"}};
@@ -101,15 +103,39 @@ TEST(Bundle, HasTheLayoutOfTheSpecification) {
 TEST(Bundle, MetricsComeBack) {
   const auto folder = scratch_folder("bundle_metrics") / "out";
   Bundle bundle = sample_bundle();
-  bundle.metrics.push_back({"fit", "epicardium", "distance", std::numeric_limits<double>::quiet_NaN(), "mm", {}, {}});
+  bundle.certificate.rows.push_back(
+      {"fit", "epicardium", "distance", std::numeric_limits<double>::quiet_NaN(), "mm", {}, {}});
+  bundle.certificate.rows[0].warn_below = 35;
+  bundle.certificate.rows[0].reason = "The mesher promises 30 degrees.";
   write_bundle(bundle, folder);
-  const Report report = read_metrics(folder);
+  const Report report = read_certificate(folder).rows;
   ASSERT_EQ(report.size(), 3U);
   EXPECT_EQ(report[1].value, 1.0 / 3);
   EXPECT_EQ(report[1].at_most, 0.25);
   EXPECT_FALSE(report[1].passed());
   EXPECT_TRUE(report[0].passed());
   EXPECT_TRUE(std::isnan(report[2].value));
+  EXPECT_EQ(report[0].verdict(), Verdict::warned);
+  EXPECT_EQ(report[0].reason, "The mesher promises 30 degrees.");
+  EXPECT_EQ(report[2].verdict(), Verdict::told);
+}
+
+TEST(Bundle, WarningsAndUsesTravelInMetricsManifestAndReadme) {
+  const auto folder = scratch_folder("bundle_trust") / "out";
+  Bundle bundle = sample_bundle();
+  bundle.certificate.warnings = {{"landmarks.doubtful", WarningLevel::doubt, "This may be no heart."}};
+  bundle.certificate.uses = {
+      {"mechanics", Fitness::unfit, true, {"The wall is in two parts."}, "Repair the label map."}};
+  write_bundle(bundle, folder);
+  const auto metrics = read_certificate(folder);
+  const auto manifest = read_manifest(folder);
+  EXPECT_EQ(metrics.warnings, bundle.certificate.warnings);
+  EXPECT_EQ(metrics.uses, bundle.certificate.uses);
+  EXPECT_EQ(manifest.warnings, bundle.certificate.warnings);
+  EXPECT_EQ(manifest.uses, bundle.certificate.uses);
+  const std::string readme = read_text(folder / "README.md");
+  for (const char* words : {"This may be no heart.", "The wall is in two parts.", "Repair the label map."})
+    EXPECT_NE(readme.find(words), std::string::npos) << words;
 }
 
 TEST(Bundle, SameContentWhateverFolderLocaleLogsAndTools) {

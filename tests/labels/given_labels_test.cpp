@@ -264,7 +264,7 @@ TEST_F(GivenLabelsTest, AnotherGridGivesEveryVoxelItsNearest) {
   fine.origin_mm = {-10.1, 20.1, 30.2};
   const auto given = read_given_labels(input, settings, &fine);
   EXPECT_EQ(given.labels.grid, fine);
-  EXPECT_EQ(given.remarks.size(), 2U);
+  EXPECT_EQ(given.warnings.size(), 2U);
   for (std::int64_t k = 0; k < 7; ++k)
     for (std::int64_t j = 0; j < 9; ++j)
       for (std::int64_t i = 0; i < 14; ++i) {
@@ -289,7 +289,7 @@ TEST_F(GivenLabelsTest, FlippedAxesChangeNothing) {
   adapters::write_volume(input.labels, flipped);
   const auto given = read_given_labels(input, settings, &grid);
   EXPECT_EQ(given.labels.voxels, expected.voxels);
-  EXPECT_EQ(given.remarks.size(), 1U);  // nothing was resampled
+  EXPECT_EQ(given.warnings.size(), 1U);  // nothing was resampled
 }
 
 LabelVolume map_of(const std::vector<Region>& row) {

@@ -1,0 +1,18 @@
+// A certificate on the terminal.
+#pragma once
+#include "model/certificate.hpp"
+
+namespace heart::app {
+
+void print_row(const ReportRow& row);
+
+/// Rows that failed or warned (every row where `all_rows`), then how many of those that judge passed.
+void print_rows(const Report& report, bool all_rows);
+
+/// The same, then the table of uses, the warnings and the verdict in one line.
+void print_certificate(const Certificate& certificate, bool all_rows);
+
+/// Uses and warnings as they stand in a bundle.
+void print_trust(const std::vector<UseVerdict>& uses, const std::vector<Warning>& warnings);
+
+}  // namespace heart::app

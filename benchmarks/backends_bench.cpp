@@ -50,7 +50,8 @@ Report certificate_of(const TetMesh& mesh, const LabelVolume& labels, const Mesh
   };
   const auto faces = validation::mesh_faces(mesh);
   auto rows = validation::check_mesh("heart", mesh, faces, {});
-  for (const auto& more : {validation::check_against_labels("heart", mesh, faces, labels, label_at, {}),
+  for (const auto& more : {validation::check_against_labels("heart", mesh, faces, labels, {}),
+                           validation::check_against_level_sets("heart", mesh, faces, labels.grid, label_at, {}),
                            validation::check_curves("heart", mesh, faces, labels, label_at)})
     rows.insert(rows.end(), more.begin(), more.end());
   return rows;
@@ -99,9 +100,9 @@ void add_backend(Table& table, const char* backend, const LabelVolume& labels) {
   add("from label map to labelled mesh", time, "s", fmt::format("{:.0f} k cells/s", cells / time / 1e3));
   add("least dihedral angle", value_of(rows, "dihedral_min"), "degrees", "");
   add("greatest dihedral angle", value_of(rows, "dihedral_max"), "degrees", "");
-  add("surfaces to the label map's, p99", value_of(rows, "to_labels_p99_in_edges"), "edges", "");
-  add("the label map's surfaces to its, p99", value_of(rows, "from_labels_p99_in_edges"), "edges", "");
-  add("curves to the label map's, p99", value_of(rows, "curve_to_labels_p99_in_edges"), "edges",
+  add("surfaces to its level sets, p99", value_of(rows, "to_level_set_p99_in_edges"), "edges", "");
+  add("level sets to its surfaces, p99", value_of(rows, "from_level_set_p99_in_edges"), "edges", "");
+  add("curves to the label map's, p99", value_of(rows, "curve_to_level_set_p99_in_edges"), "edges",
       "where three regions meet");
   add("worst volume of a region", volume.value, "%", volume.scope);
   add("red rows of the certificate", static_cast<double>(red.size()), "", fmt::format("{}", fmt::join(red, ", ")));

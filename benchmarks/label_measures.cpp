@@ -36,10 +36,10 @@ void add_found_distances(Table& table, const char* bench, const TetMesh& mesh, c
   const auto label_inside = [&](const Vec3& lps_mm) {
     return is_inside(labels.grid, index_from_lps(labels.grid, lps_mm)) ? label_at(lps_mm) : 0;
   };
-  const auto rows = validation::check_against_labels("heart", mesh, validation::mesh_faces(mesh), labels, label_inside,
-                                                     ValidationSettings{});
+  const auto rows = validation::check_against_level_sets("heart", mesh, validation::mesh_faces(mesh), labels.grid,
+                                                         label_inside, ValidationSettings{});
   for (const auto& row : rows) {
-    if (!row.metric.starts_with("to_labels_") || !row.metric.ends_with("_in_edges")) continue;
+    if (!row.metric.starts_with("to_level_set_") || !row.metric.ends_with("_in_edges")) continue;
     const bool is_p99 = row.metric.find("p99") != std::string::npos;
     table.push_back({bench, fmt::format("{} to its level set, {}", row.scope, is_p99 ? "p99" : "greatest"), row.value,
                      "edges", is_p99 ? "at most 0.1; centres and nodes of faces" : "at most 0.3"});

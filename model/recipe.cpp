@@ -312,6 +312,9 @@ std::vector<SegmentationStep> default_segmentation() {
 ValidationSettings bounds_of(const Recipe& recipe) {
   auto bounds = recipe.validation;
   if (recipe.fibers.method == "rule") bounds.maximum_inpainted_fraction = 1;
+  const bool is_lattice = recipe.mesh.backend == MeshSettings{}.backend;
+  if (is_lattice && bounds.minimum_dihedral_deg == 0) bounds.minimum_dihedral_deg = 25;
+  if (is_lattice && bounds.maximum_dihedral_deg == 0) bounds.maximum_dihedral_deg = 145;
   return bounds;
 }
 

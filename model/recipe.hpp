@@ -309,10 +309,12 @@ struct FiberSettings {
   }
 };
 
-/// Bounds of the certificate; a build whose rows break them still writes its bundle, `validate` exits with 3.
+/// Bounds of the certificate that a recipe may change; the others stand in validation/criteria. Where one is broken the
+/// bundle is written all the same, and `build` and `validate` exit with 3.
 struct ValidationSettings {
-  double minimum_dihedral_deg = 5;
-  double maximum_dihedral_deg = 175;
+  std::vector<std::string> uses;    // what the model must be fit for; empty: what its meshes and edges allow
+  double minimum_dihedral_deg = 0;  // 0: what the mesher promises
+  double maximum_dihedral_deg = 0;
   double maximum_surface_distance = 1;  // from the label map to the mesh in the heart, 99th percentile, in local edges
   int maximum_handles_added = 2;        // handles of a region of the heart that its label map does not have
   double minimum_jacobian = 0;
@@ -320,8 +322,12 @@ struct ValidationSettings {
 
   template <class V>
   static void describe(V&& v, auto& s) {
-    v("minimum_dihedral_deg", s.minimum_dihedral_deg, "smallest dihedral angle allowed");
-    v("maximum_dihedral_deg", s.maximum_dihedral_deg, "largest dihedral angle allowed");
+    v("uses", s.uses,
+      "what the model must be fit for: eikonal, monodomain, mechanics, ecg, blood_flow, finite_volumes; empty: what "
+      "its "
+      "meshes and edges allow");
+    v("minimum_dihedral_deg", s.minimum_dihedral_deg, "smallest dihedral angle allowed; 0: what the mesher promises");
+    v("maximum_dihedral_deg", s.maximum_dihedral_deg, "largest dihedral angle allowed; 0: what the mesher promises");
     v("maximum_surface_distance", s.maximum_surface_distance,
       "from the label map's surfaces to the mesh's in the heart, 99th percentile, in local edge lengths");
     v("maximum_handles_added", s.maximum_handles_added,
@@ -355,7 +361,8 @@ struct Recipe {
 /// The three splits of a contrast CT: air | body, fat | soft tissue, muscle | blood.
 std::vector<SegmentationStep> default_segmentation();
 
-/// The bounds of the certificate. Where all fibres are by rule, none from an atlas is no gap.
+/// The bounds of the certificate. Where all fibres are by rule, none from an atlas is no gap. The lattice mesher keeps
+/// every angle of several materials within 25 to 145 degrees.
 ValidationSettings bounds_of(const Recipe& recipe);
 
 /// Reads and checks a recipe; relative input paths are resolved against the recipe's folder.

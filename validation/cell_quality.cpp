@@ -28,6 +28,19 @@ double circumradius(const std::array<Vec3, 4>& p, double volume) {
   return norm(dot(a, a) * cross(b, c) + dot(b, b) * cross(c, a) + dot(c, c) * cross(a, b)) / (12 * std::abs(volume));
 }
 
+/// From where `line`, that begins at a cell's centre, meets the face's plane to the face's centre, over the face's
+/// reach in that direction, which counts as `min_share` of the line at least. `to_face` leads to the face's centre.
+double skewness_of(const std::array<Vec3, 3>& face, const Vec3& to_face, const Vec3& line, const Vec3& normal,
+                   double min_share) {
+  const Vec3 off = to_face - dot(to_face, normal) / dot(line, normal) * line;
+  const double length = norm(off);
+  if (length == 0) return 0;
+  const Vec3 face_center = (face[0] + face[1] + face[2]) / 3;
+  double reach = min_share * norm(line);
+  for (const auto& corner : face) reach = std::max(reach, std::abs(dot(off / length, corner - face_center)));
+  return length / reach;
+}
+
 }  // namespace
 
 CellQuality cell_quality(const std::array<Vec3, 4>& p) {
@@ -78,10 +91,15 @@ FaceQuality face_quality(const std::array<Vec3, 3>& face, const Vec3& center, co
   const double along = std::abs(dot(line, normal));
   FaceQuality q;
   q.non_orthogonality_deg = std::atan2(norm(cross(line, normal)), along) * degrees;
-  if (along == 0) return q;
-  const double share = dot(face_center - center, normal) / dot(line, normal);
-  q.skewness = norm(center + share * line - face_center) / norm(line);
+  if (along > 0) q.skewness = skewness_of(face, face_center - center, line, normal, 0.2);
   return q;
+}
+
+double boundary_skewness(const std::array<Vec3, 3>& face, const Vec3& center) {
+  const Vec3 normal = normalized(cross(face[1] - face[0], face[2] - face[0]));
+  const Vec3 to_face = (face[0] + face[1] + face[2]) / 3 - center;
+  const Vec3 line = dot(normal, to_face) * normal;
+  return norm(line) > 0 ? skewness_of(face, to_face, line, normal, 0.4) : 0;
 }
 
 }  // namespace heart::validation

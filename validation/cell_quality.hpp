@@ -22,12 +22,16 @@ struct CellQuality {
 CellQuality cell_quality(const std::array<Vec3, 4>& corners_mm);
 std::vector<CellQuality> cell_qualities(const TetMesh& mesh);
 
-/// Finite volumes: the line between the centres of the two cells against their common face.
+/// Finite volumes, by the definitions of OpenFOAM's checkMesh: the line between the centres of the two cells against
+/// their common face.
 struct FaceQuality {
   double non_orthogonality_deg = 0;  ///< angle between that line and the face's normal
-  double skewness = 0;               ///< from where it meets the face's plane to the face's centre, over its length
+  double skewness = 0;  ///< from where it meets the face's plane to the face's centre, over the face's reach that way
 };
 
 FaceQuality face_quality(const std::array<Vec3, 3>& face_mm, const Vec3& center_mm, const Vec3& other_center_mm);
+
+/// The same of a face without a second cell: the line runs along the normal.
+double boundary_skewness(const std::array<Vec3, 3>& face_mm, const Vec3& center_mm);
 
 }  // namespace heart::validation

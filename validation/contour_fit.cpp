@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "model/labels.hpp"
+#include "validation/criteria.hpp"
 #include "validation/quantiles.hpp"
 
 namespace heart::validation {
@@ -134,7 +135,7 @@ Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourF
     }
     add_rows(report, surface_name(surface), distances, tried, voxel_mm);
   }
-  return report;
+  return judged(std::move(report), {});
 }
 
 }  // namespace heart::validation

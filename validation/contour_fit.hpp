@@ -21,8 +21,10 @@ struct ContourFitSettings {
 Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourFitSettings& settings = {});
 
 /// Rows of group "fit", scope = region name: dice, surface_distance_mean, surface_distance_p95 (both ways, symmetric)
-/// and surface_distance_max (Hausdorff), for each region present in either map. Our map is resampled to the
-/// reference's grid by the nearest voxel where grids differ. Distances are missing where one side is empty.
+/// and surface_distance_max (Hausdorff), for each region of our map, and each of the heart in the reference
+/// (what else a model does not hold is not scored). Our map is resampled to the reference's grid by the nearest voxel
+/// where grids differ. The reference's great vessels count as far from the chambers as ours reach. Distances are
+/// missing where one side is empty.
 Report compare_labels(const LabelVolume& ours, const LabelVolume& reference);
 
 }  // namespace heart::validation

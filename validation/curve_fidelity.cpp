@@ -236,15 +236,15 @@ Report check_curves(const std::string& mesh_name, const TetMesh& mesh, const std
   const auto to_labels = samples_to_labels(mesh, edges, label_at);
   const auto from_labels = samples_from_labels(mesh, edges, meetings_of(labels, label_at));
   Report rows;
-  add_distances(rows, mesh_name, "curve_to_labels", to_labels, nullptr);
-  add_distances(rows, mesh_name, "curve_from_labels", from_labels, nullptr);
+  add_distances(rows, mesh_name, "curve_to_level_set", to_labels, nullptr);
+  add_distances(rows, mesh_name, "curve_from_level_set", from_labels, nullptr);
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const auto count = std::ranges::count(edges, c, &CurveEdge::curve);
     if (static_cast<std::size_t>(count) < fewest_edges) continue;
     const std::string scope = mesh_name + "/" + curve_name(curves[c]);
     rows.push_back({"mesh", scope, "curve_length", length_of(mesh, curves[c]), "mm", {}, {}});
-    add_distances(rows, scope, "curve_to_labels", to_labels, &c);
-    add_distances(rows, scope, "curve_from_labels", from_labels, &c);
+    add_distances(rows, scope, "curve_to_level_set", to_labels, &c);
+    add_distances(rows, scope, "curve_from_level_set", from_labels, &c);
   }
   return rows;
 }

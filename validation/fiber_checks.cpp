@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "model/mesh_edges.hpp"
+#include "validation/criteria.hpp"
 #include "validation/heart_frame.hpp"
 #include "validation/quantiles.hpp"
 #include "validation/wall_depth.hpp"
@@ -17,11 +18,9 @@ namespace heart::validation {
 namespace {
 
 constexpr double degrees = 57.29577951308232;
-constexpr double unit_tolerance = 1e-6;
 
-ReportRow row(std::string scope, std::string metric, double value, std::string unit,
-              std::optional<double> at_least = {}, std::optional<double> at_most = {}) {
-  return {"fibers", std::move(scope), std::move(metric), value, std::move(unit), at_least, at_most};
+ReportRow row(std::string scope, std::string metric, double value, std::string unit) {
+  return {"fibers", std::move(scope), std::move(metric), value, std::move(unit), {}, {}};
 }
 
 bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -45,8 +44,8 @@ void add_frame_rows(const FiberField& field, std::size_t count, const std::strin
     missing += !finite(field.fiber[n]) || norm(field.fiber[n]) < 0.5;
     worst = std::max(worst, frame_error(field, n));
   }
-  report.push_back(row("myocardium", "missing_" + where, static_cast<double>(missing), "count", {}, 0));
-  report.push_back(row("myocardium", "orthonormality_error_" + where, worst, "1", {}, unit_tolerance));
+  report.push_back(row("myocardium", "missing_" + where, static_cast<double>(missing), "count"));
+  report.push_back(row("myocardium", "orthonormality_error_" + where, worst, "1"));
 }
 
 bool ventricular(std::int32_t region) {
@@ -140,10 +139,9 @@ void add_rule_rows(const TetMesh& mesh, Report& report) {
 }
 
 /// Shares of the ventricles' nodes by source.
-void add_source_rows(const TetMesh& mesh, const ValidationSettings& settings, Report& report) {
+void add_source_rows(const TetMesh& mesh, Report& report) {
   if (mesh.fiber_source.size() != mesh.nodes_mm.size()) {
-    report.push_back(
-        row("myocardium", "nodes_without_source", static_cast<double>(mesh.nodes_mm.size()), "count", {}, 0));
+    report.push_back(row("myocardium", "nodes_without_source", static_cast<double>(mesh.nodes_mm.size()), "count"));
     return;
   }
   std::vector<std::uint8_t> in_ventricle(mesh.nodes_mm.size());
@@ -157,9 +155,8 @@ void add_source_rows(const TetMesh& mesh, const ValidationSettings& settings, Re
     ventricle += in_ventricle[n];
     other += in_ventricle[n] && source != FiberSource::atlas;
   }
-  report.push_back(row("myocardium", "nodes_without_source", none, "count", {}, 0));
-  report.push_back(row("ventricles", "inpainted_fraction", ventricle > 0 ? other / ventricle : 0, "1", {},
-                       settings.maximum_inpainted_fraction));
+  report.push_back(row("myocardium", "nodes_without_source", none, "count"));
+  report.push_back(row("ventricles", "inpainted_fraction", ventricle > 0 ? other / ventricle : 0, "1"));
 }
 
 struct HelixSamples {
@@ -259,24 +256,44 @@ void add_atlas_rows(const std::string& scope, const DepthSamples& atlas, const D
   }
 }
 
-/// Endocardium, middle and epicardium against ranges that hold all published human and canine hearts (Streeter 1969,
-/// Lombaert 2012) with room for the measure's own spread: a field that breaks them is wrong, not unusual.
+/// Medians near the endocardium, in the middle and near the epicardium, and how far the helix falls between the two.
 void add_helix_rows(const TetMesh& mesh, Region ventricle, Report& report) {
   const auto bins = binned(helix_samples(mesh, ventricle), 5);
   const std::string scope = region_name(tag(ventricle));
-  const bool left = ventricle == Region::lv_myocardium;
-  const auto add = [&](std::size_t bin, const char* metric, std::optional<double> low, std::optional<double> high) {
-    if (!bins[bin].empty()) report.push_back(row(scope, metric, axis_quantile(bins[bin], 0.5), "deg", low, high));
+  const auto add = [&](std::size_t bin, const char* metric) {
+    if (!bins[bin].empty()) report.push_back(row(scope, metric, axis_quantile(bins[bin], 0.5), "deg"));
   };
-  using Bound = std::optional<double>;
-  add(0, "helix_endocardium_median (published 40 to 80)", left ? Bound(10) : Bound(), left ? Bound(95) : Bound());
-  add(2, "helix_midwall_median (published -10 to 20)", {}, {});
-  add(4, "helix_epicardium_median (published -80 to -30)", left ? Bound(-95) : Bound(), left ? Bound(0) : Bound());
+  add(0, "helix_endocardium_median");
+  add(2, "helix_midwall_median");
+  add(4, "helix_epicardium_median");
+  if (!bins[0].empty() && !bins[4].empty())
+    report.push_back(row(scope, "helix_fall", axis_quantile(bins[0], 0.5) - axis_quantile(bins[4], 0.5), "deg"));
 }
 
-void add_registration_rows(const RegistrationFigures& figures, const ValidationSettings& settings, Report& report) {
-  if (figures.min_jacobian)
-    report.push_back(row("registration", "jacobian_min", *figures.min_jacobian, "1", settings.minimum_jacobian));
+/// Median angles between neighbours within one wall: at the ends of edges, and between cells and their nodes.
+void add_wall_jump_rows(const TetMesh& mesh, Report& report) {
+  for (const Region wall : {Region::lv_myocardium, Region::rv_myocardium, Region::la_wall, Region::ra_wall}) {
+    std::vector<std::uint8_t> use(mesh.cells.size());
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) use[c] = mesh.region[c] == tag(wall);
+    std::vector<double> jump_deg;
+    for (const auto& [a, b] : edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use))
+      jump_deg.push_back(axis_angle_deg(mesh.node_fibers.fiber[static_cast<std::size_t>(a)],
+                                        mesh.node_fibers.fiber[static_cast<std::size_t>(b)]));
+    if (jump_deg.empty()) continue;
+    const std::string scope = region_name(tag(wall));
+    report.push_back(row(scope, "neighbour_jump_p50", quantile(jump_deg, 0.5), "deg"));
+    std::vector<double> cell_deg;
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      if (use[c])
+        for (const auto n : mesh.cells[c])
+          cell_deg.push_back(
+              axis_angle_deg(mesh.cell_fibers.fiber[c], mesh.node_fibers.fiber[static_cast<std::size_t>(n)]));
+    report.push_back(row(scope, "cell_jump_p50", quantile(cell_deg, 0.5), "deg"));
+  }
+}
+
+void add_registration_rows(const RegistrationFigures& figures, Report& report) {
+  if (figures.min_jacobian) report.push_back(row("registration", "jacobian_min", *figures.min_jacobian, "1"));
   if (figures.affine_rms_mm) report.push_back(row("registration", "affine_misfit_rms", *figures.affine_rms_mm, "mm"));
   if (figures.atlas_overlap) report.push_back(row("registration", "wall_overlap_dice", *figures.atlas_overlap, "1"));
   if (figures.second_mean_deg)
@@ -297,16 +314,19 @@ Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figure
   Report report;
   add_frame_rows(myocardium.node_fibers, myocardium.nodes_mm.size(), "nodes", report);
   add_frame_rows(myocardium.cell_fibers, myocardium.cells.size(), "cells", report);
-  add_source_rows(myocardium, settings, report);
-  add_registration_rows(figures, settings, report);
-  if (!complete(myocardium.node_fibers, myocardium.nodes_mm.size())) return report;
+  add_source_rows(myocardium, report);
+  add_registration_rows(figures, report);
+  if (!complete(myocardium.node_fibers, myocardium.nodes_mm.size()) ||
+      !complete(myocardium.cell_fibers, myocardium.cells.size()))
+    return judged(std::move(report), settings);
   add_jump_rows(myocardium, figures, report);
+  add_wall_jump_rows(myocardium, report);
   for (const Region ventricle : {Region::lv_myocardium, Region::rv_myocardium})
     add_helix_rows(myocardium, ventricle, report);
   add_atlas_rows("lv_myocardium", figures.atlas_lv, figures.there_lv, figures.carried_lv, report);
   add_atlas_rows("rv_myocardium", figures.atlas_rv, figures.there_rv, figures.carried_rv, report);
   add_rule_rows(myocardium, report);
-  return report;
+  return judged(std::move(report), settings);
 }
 
 std::string remark_on_jumps(const Report& rows) {

@@ -101,17 +101,44 @@ void add_region_rows(Report& report, const Crop& crop, const std::string& scope)
   add("surface_distance_max", quantile(distances, 1), "mm");
 }
 
+/// The great vessels of `reference` as far from our chambers as ours reach: a model holds stumps of them.
+LabelVolume cut_to_stumps(LabelVolume reference, const LabelVolume& ours) {
+  std::vector<std::uint8_t> chamber(ours.voxels.size());
+  for (std::size_t v = 0; v < chamber.size(); ++v) {
+    const auto region = static_cast<Region>(ours.voxels[v]);
+    chamber[v] = is_blood(region) && region != Region::aorta && region != Region::pulmonary_artery;
+  }
+  const auto distance = distance_to(ours.grid, chamber);
+  for (const auto vessel : {tag(Region::aorta), tag(Region::pulmonary_artery)}) {
+    double reach = -1;
+    for (std::size_t v = 0; v < chamber.size(); ++v)
+      if (ours.voxels[v] == vessel) reach = std::max(reach, distance[v]);
+    for (std::size_t v = 0; reach >= 0 && v < chamber.size(); ++v)
+      if (reference.voxels[v] == vessel && distance[v] > reach) reference.voxels[v] = 0;
+  }
+  return reference;
+}
+
+std::vector<std::uint8_t> values_in(const LabelVolume& labels) {
+  std::vector<std::uint8_t> present(256, 0);
+  for (const auto label : labels.voxels) present[label] = 1;
+  return present;
+}
+
 }  // namespace
 
 Report compare_labels(const LabelVolume& ours, const LabelVolume& reference) {
   const LabelVolume mine = resampled_nearest(ours, reference.grid);
-  std::vector<std::uint8_t> present(256, 0);
-  for (std::size_t v = 0; v < mine.voxels.size(); ++v) present[mine.voxels[v]] = present[reference.voxels[v]] = 1;
+  const LabelVolume theirs = cut_to_stumps(reference, mine);
+  const auto in_mine = values_in(mine), in_theirs = values_in(theirs);
   Report report;
-  for (std::size_t region = 1; region < present.size(); ++region)
-    if (present[region])
-      add_region_rows(report, crop_region(mine, reference, static_cast<std::uint8_t>(region)),
-                      region_name(static_cast<std::int32_t>(region)));
+  for (std::size_t value = 1; value < in_mine.size(); ++value) {
+    const auto region = static_cast<Region>(value);
+    const bool is_heart = is_myocardium(region) || is_blood(region);
+    if (in_mine[value] || (in_theirs[value] && is_heart))
+      add_region_rows(report, crop_region(mine, theirs, static_cast<std::uint8_t>(value)),
+                      region_name(static_cast<std::int32_t>(value)));
+  }
   return report;
 }
 

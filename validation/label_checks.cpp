@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "validation/criteria.hpp"
 #include "validation/distance_map.hpp"
 #include "validation/quantiles.hpp"
 
@@ -149,16 +150,16 @@ Report check_labels(const LabelVolume& labels, const std::vector<Region>& needed
       largest = std::max(largest, static_cast<double>(size));
     }
     const std::string scope = region_name(static_cast<std::int32_t>(region));
-    ReportRow volume{"labels", scope, "volume", total * labels.grid.voxel_volume_mm3() / mm3_per_ml, "ml", {}, {}};
-    if (is_needed) volume.at_least = labels.grid.voxel_volume_mm3() / mm3_per_ml;  // one voxel: not empty
-    report.push_back(volume);
+    report.push_back({"labels", scope, "volume", total * labels.grid.voxel_volume_mm3() / mm3_per_ml, "ml", {}, {}});
     if (sizes[region].empty()) continue;
     report.push_back({"labels", scope, "components", static_cast<double>(sizes[region].size()), "count", {}, {}});
     report.push_back({"labels", scope, "largest_component", largest / total, "1", {}, {}});
   }
   add_thickness(report, labels, Region::lv_myocardium, Region::lv_blood);
   add_thickness(report, labels, Region::rv_myocardium, Region::rv_blood);
-  return report;
+  add_thickness(report, labels, Region::la_wall, Region::la_blood);
+  add_thickness(report, labels, Region::ra_wall, Region::ra_blood);
+  return judged(std::move(report), {});
 }
 
 }  // namespace heart::validation

@@ -9,7 +9,9 @@
 
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
+#include "model/sort_unique.hpp"
 #include "validation/cell_quality.hpp"
+#include "validation/criteria.hpp"
 #include "validation/mesh_topology.hpp"
 #include "validation/self_intersection.hpp"
 #include "validation/wall_layers.hpp"
@@ -17,28 +19,23 @@
 namespace heart::validation {
 namespace {
 
+constexpr double degrees = 57.29577951308232;
+
 /// Appends rows of one scope.
 struct Rows {
   Report* report;
   std::string scope;
   void add(const char* metric, double value, const char* unit) const {
-    report->push_back({"mesh", scope, metric, value, unit, std::nullopt, std::nullopt});
-  }
-  void at_least(const char* metric, double value, const char* unit, double bound) const {
-    report->push_back({"mesh", scope, metric, value, unit, bound, std::nullopt});
-  }
-  void at_most(const char* metric, double value, const char* unit, double bound) const {
-    report->push_back({"mesh", scope, metric, value, unit, std::nullopt, bound});
+    report->push_back({"mesh", scope, metric, value, unit, {}, {}});
   }
   void count(const char* metric, std::int64_t value) const { add(metric, static_cast<double>(value), "count"); }
-  void zero(const char* metric, std::int64_t value) const { at_most(metric, static_cast<double>(value), "count", 0); }
 };
 
 struct Facts {
   const TetMesh* mesh;
   const std::vector<MeshFace>& faces;
   std::vector<CellQuality> cells;
-  std::vector<FaceQuality> face_quality;  // per face; zero on the boundary
+  std::vector<FaceQuality> face_quality;  // per face; on the boundary without an angle
 };
 
 std::int64_t invalid_ids(const TetMesh& mesh) {
@@ -63,9 +60,11 @@ std::vector<FaceQuality> face_qualities(const TetMesh& mesh, const std::vector<M
   parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
       const auto& face = faces[f];
-      if (face.other < 0) continue;
-      result[f] = face_quality({node(face.nodes[0]), node(face.nodes[1]), node(face.nodes[2])}, center(face.cell),
-                               center(face.other));
+      const std::array corners{node(face.nodes[0]), node(face.nodes[1]), node(face.nodes[2])};
+      if (face.other < 0)
+        result[f].skewness = boundary_skewness(corners, center(face.cell));
+      else
+        result[f] = face_quality(corners, center(face.cell), center(face.other));
     }
   });
   return result;
@@ -117,9 +116,9 @@ void add_shape_rows(const Rows& rows, const CellSummary& s) {
   rows.add("edge_max", s.longest, "mm");
 }
 
-void add_angle_rows(const Rows& rows, const CellSummary& s, const ValidationSettings& settings) {
-  rows.at_least("dihedral_min", s.min_dihedral, "deg", settings.minimum_dihedral_deg);
-  rows.at_most("dihedral_max", s.max_dihedral, "deg", settings.maximum_dihedral_deg);
+void add_angle_rows(const Rows& rows, const CellSummary& s) {
+  rows.add("dihedral_min", s.min_dihedral, "deg");
+  rows.add("dihedral_max", s.max_dihedral, "deg");
 }
 
 void add_percentiles(const Rows& rows, const Facts& facts) {
@@ -135,12 +134,12 @@ void add_percentiles(const Rows& rows, const Facts& facts) {
     rows.add(metric, percentile(angles, share, placed), "deg");
 }
 
-/// Non-orthogonality and skewness of inner faces.
+/// Non-orthogonality and skewness of inner faces, as OpenFOAM's checkMesh sums them up.
 struct FaceSummary {
-  double angle = 0, max_angle = 0, skewness = 0, max_skewness = 0, count = 0;
+  double cosine = 0, max_angle = 0, skewness = 0, max_skewness = 0, count = 0;
 
   void take(const FaceQuality& q) {
-    angle += q.non_orthogonality_deg;
+    cosine += std::cos(q.non_orthogonality_deg / degrees);
     max_angle = std::max(max_angle, q.non_orthogonality_deg);
     skewness += q.skewness;
     max_skewness = std::max(max_skewness, q.skewness);
@@ -150,7 +149,7 @@ struct FaceSummary {
 
 void add_finite_volume_rows(const Rows& rows, const FaceSummary& s) {
   if (s.count == 0) return;
-  rows.add("non_orthogonality_mean", s.angle / s.count, "deg");
+  rows.add("non_orthogonality_mean", std::acos(std::min(s.cosine / s.count, 1.0)) * degrees, "deg");
   rows.add("non_orthogonality_max", s.max_angle, "deg");
   rows.add("skewness_mean", s.skewness / s.count, "1");
   rows.add("skewness_max", s.max_skewness, "1");
@@ -169,30 +168,65 @@ std::int64_t self_intersections(const Facts& facts) {
 
 void add_validity(const Rows& rows, const Facts& facts, std::int64_t inverted) {
   const auto& mesh = *facts.mesh;
-  rows.zero("inverted_cells", inverted);
-  rows.zero("orphan_nodes", orphan_nodes(mesh));
-  rows.zero("duplicate_nodes", duplicate_nodes(mesh));
-  rows.zero("duplicate_cells", duplicate_cells(mesh));
+  rows.count("inverted_cells", inverted);
+  rows.count("orphan_nodes", orphan_nodes(mesh));
+  rows.count("duplicate_nodes", duplicate_nodes(mesh));
+  rows.count("duplicate_cells", duplicate_cells(mesh));
   std::vector<Face> boundary;
   std::int64_t crowded = 0;
   for (const auto& face : facts.faces) {
     if (face.other < 0) boundary.push_back(face.nodes);
     crowded += face.cells > 2;
   }
-  rows.zero("faces_of_more_than_two_cells", crowded);
-  rows.zero("self_intersections", self_intersections(facts));
+  rows.count("faces_of_more_than_two_cells", crowded);
+  rows.count("self_intersections", self_intersections(facts));
   const auto topology = surface_topology(boundary);
-  rows.zero("boundary_open_edges", topology.open_edges);
-  rows.zero("boundary_non_manifold_edges", topology.non_manifold_edges);
-  rows.zero("boundary_non_manifold_vertices", topology.non_manifold_vertices);
+  rows.count("boundary_open_edges", topology.open_edges);
+  rows.count("boundary_non_manifold_edges", topology.non_manifold_edges);
+  rows.count("boundary_non_manifold_vertices", topology.non_manifold_vertices);
   rows.count("boundary_euler_characteristic", topology.euler_characteristic);
   const auto labels = check_face_labels(mesh, facts.faces);
-  rows.zero("boundary_faces_missing", labels.missing_boundary_faces);
-  rows.zero("interface_faces_missing", labels.missing_interface_faces);
-  rows.zero("faces_repeated", labels.repeated_faces);
-  rows.zero("faces_without_cells", labels.faces_without_cells);
-  rows.zero("faces_inside_regions", labels.faces_inside_regions);
-  rows.zero("faces_unlabelled", labels.unlabelled_faces);
+  rows.count("boundary_faces_missing", labels.missing_boundary_faces);
+  rows.count("interface_faces_missing", labels.missing_interface_faces);
+  rows.count("faces_repeated", labels.repeated_faces);
+  rows.count("faces_without_cells", labels.faces_without_cells);
+  rows.count("faces_inside_regions", labels.faces_inside_regions);
+  rows.count("faces_unlabelled", labels.unlabelled_faces);
+}
+
+/// Parts hang together through nodes. One of less than a twentieth of the volume floats.
+void add_parts(const Rows& rows, const Facts& facts) {
+  constexpr double floating_share = 0.05;
+  const auto part = node_parts(*facts.mesh);
+  std::map<std::int32_t, double> volumes;
+  double all = 0;
+  for (std::size_t c = 0; c < facts.cells.size(); ++c) {
+    volumes[part[static_cast<std::size_t>(facts.mesh->cells[c][0])]] += facts.cells[c].volume_mm3;
+    all += facts.cells[c].volume_mm3;
+  }
+  rows.count("parts", static_cast<std::int64_t>(volumes.size()));
+  rows.count("floating_parts", std::count_if(volumes.begin(), volumes.end(),
+                                             [&](const auto& entry) { return entry.second < floating_share * all; }));
+}
+
+/// Cells with all four nodes on one surface, of the cells with a face there.
+void add_locked(const Rows& rows, const Facts& facts, const std::vector<std::size_t>& surface_faces) {
+  const auto& mesh = *facts.mesh;
+  std::vector<std::uint8_t> on_surface(mesh.nodes_mm.size());
+  std::vector<std::int32_t> cells;
+  for (const auto f : surface_faces) {
+    for (const auto n : facts.faces[f].nodes) on_surface[static_cast<std::size_t>(n)] = 1;
+    cells.push_back(facts.faces[f].cell);
+    if (facts.faces[f].other >= 0) cells.push_back(facts.faces[f].other);
+  }
+  sort_unique(cells);
+  const auto locked = std::count_if(cells.begin(), cells.end(), [&](std::int32_t c) {
+    const auto& nodes = mesh.cells[static_cast<std::size_t>(c)];
+    return std::all_of(nodes.begin(), nodes.end(), [&](auto n) { return on_surface[static_cast<std::size_t>(n)]; });
+  });
+  rows.count("locked_cells", locked);
+  rows.add("locked_cell_share",
+           static_cast<double>(locked) / static_cast<double>(std::max<std::size_t>(cells.size(), 1)), "1");
 }
 
 /// What add_region needs of one region, gathered over all of them in one pass.
@@ -223,22 +257,21 @@ std::map<std::int32_t, RegionFacts> facts_of_regions(const Facts& facts) {
   return result;
 }
 
-void add_region(const Rows& rows, const RegionFacts& region, const ValidationSettings& settings) {
+void add_region(const Rows& rows, const RegionFacts& region) {
   rows.count("cells", region.cells.cells);
   rows.count("components", region.components);
   const auto topology = surface_topology(region.boundary);
-  rows.zero("boundary_open_edges", topology.open_edges);
+  rows.count("boundary_open_edges", topology.open_edges);
   rows.count("boundary_non_manifold_edges", topology.non_manifold_edges);
   rows.count("boundary_non_manifold_vertices", topology.non_manifold_vertices);
   rows.count("boundary_euler_characteristic", topology.euler_characteristic);
   add_shape_rows(rows, region.cells);
-  add_angle_rows(rows, region.cells, settings);
+  add_angle_rows(rows, region.cells);
   add_finite_volume_rows(rows, region.inner);
 }
 
 // A bad cell behind a good mean hides best on a surface: cells with a face there, on either side.
-void add_surface(const Rows& rows, const Facts& facts, const std::vector<std::size_t>& surface_faces,
-                 const ValidationSettings& settings) {
+void add_surface(const Rows& rows, const Facts& facts, const std::vector<std::size_t>& surface_faces) {
   const auto& mesh = *facts.mesh;
   CellSummary summary;
   double area = 0;
@@ -252,13 +285,26 @@ void add_surface(const Rows& rows, const Facts& facts, const std::vector<std::si
   rows.count("faces", static_cast<std::int64_t>(surface_faces.size()));
   rows.add("area", area / 100, "cm2");
   rows.add("scaled_jacobian_min", summary.min_scaled_jacobian, "1");
-  add_angle_rows(rows, summary, settings);
+  add_locked(rows, facts, surface_faces);
+  add_angle_rows(rows, summary);
   FaceSummary inner;
   for (std::size_t i = 0; i < surface_faces.size(); ++i) {
     const bool repeated = i > 0 && surface_faces[i] == surface_faces[i - 1];
     if (!repeated && facts.faces[surface_faces[i]].other >= 0) inner.take(facts.face_quality[surface_faces[i]]);
   }
   add_finite_volume_rows(rows, inner);
+}
+
+/// Share of the body's surface that is no skin but the end of the image.
+void add_fov_share(const Rows& rows) {
+  const auto area = [&](const char* surface) {
+    const std::string scope = rows.scope + "/" + surface;
+    const auto row = std::find_if(rows.report->begin(), rows.report->end(),
+                                  [&](const ReportRow& r) { return r.scope == scope && r.metric == "area"; });
+    return row == rows.report->end() ? 0.0 : row->value;
+  };
+  const double cut = area("fov_cut"), skin = area("skin");
+  if (skin > 0) rows.add("fov_cut_share", cut / (cut + skin), "1");
 }
 
 // Ids in `facts.faces` of the listed faces, ascending, per surface tag.
@@ -293,26 +339,29 @@ Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const std::
   Report report;
   const Rows rows{&report, mesh_name};
   rows.count("nodes", static_cast<std::int64_t>(mesh.nodes_mm.size()));
-  rows.at_least("cells", static_cast<double>(mesh.cells.size()), "count", 1);
+  rows.count("cells", static_cast<std::int64_t>(mesh.cells.size()));
   rows.count("faces", static_cast<std::int64_t>(mesh.faces.size()));
   const auto invalid = invalid_ids(mesh);
-  rows.zero("invalid_ids", invalid);
-  if (invalid != 0 || mesh.cells.empty()) return report;
+  rows.count("invalid_ids", invalid);
+  if (invalid != 0 || mesh.cells.empty()) return judged(std::move(report), settings);
 
   const Facts facts{&mesh, faces, cell_qualities(mesh), face_qualities(mesh, faces)};
   CellSummary all;
   for (const auto& q : facts.cells) all.take(q);
   add_validity(rows, facts, all.inverted);
   rows.count("components", component_count(mesh, faces));
+  add_parts(rows, facts);
   add_shape_rows(rows, all);
-  add_angle_rows(rows, all, settings);
+  add_angle_rows(rows, all);
   add_percentiles(rows, facts);
   FaceSummary inner;
   for (std::size_t f = 0; f < faces.size(); ++f)
     if (faces[f].other >= 0) inner.take(facts.face_quality[f]);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if (faces[f].other < 0) inner.max_skewness = std::max(inner.max_skewness, facts.face_quality[f].skewness);
   add_finite_volume_rows(rows, inner);
   for (const auto& [region, of_region] : facts_of_regions(facts))
-    add_region({&report, mesh_name + "/" + region_name(region)}, of_region, settings);
+    add_region({&report, mesh_name + "/" + region_name(region)}, of_region);
   for (const auto& [region, layers] : wall_layers(mesh)) {
     const Rows of_wall{&report, mesh_name + "/" + region_name(region)};
     of_wall.add("layers_p5", layers.p5, "count");
@@ -320,8 +369,9 @@ Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const std::
     of_wall.add("layers_below_two", layers.below_two, "1");
   }
   for (const auto& [surface, surface_faces] : faces_by_surface(facts))
-    add_surface({&report, mesh_name + "/" + surface_name(surface)}, facts, surface_faces, settings);
-  return report;
+    add_surface({&report, mesh_name + "/" + surface_name(surface)}, facts, surface_faces);
+  add_fov_share(rows);
+  return judged(std::move(report), settings);
 }
 
 }  // namespace heart::validation

@@ -206,6 +206,23 @@ std::map<std::int32_t, std::int64_t> component_counts(const TetMesh& mesh, const
   return count_components(mesh, faces, [&](std::int32_t cell) { return mesh.region[static_cast<std::size_t>(cell)]; });
 }
 
+std::vector<std::int32_t> node_parts(const TetMesh& mesh) {
+  std::vector<std::int32_t> parent(mesh.nodes_mm.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](std::int32_t n) {
+    while (parent[static_cast<std::size_t>(n)] != n)
+      n = parent[static_cast<std::size_t>(n)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(n)])];
+    return n;
+  };
+  for (const auto& cell : mesh.cells)
+    for (const auto n : cell) {
+      const auto a = root(cell[0]), b = root(n);
+      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  for (std::size_t n = 0; n < parent.size(); ++n) parent[n] = root(static_cast<std::int32_t>(n));
+  return parent;
+}
+
 std::int64_t orphan_nodes(const TetMesh& mesh) {
   std::vector<bool> used(mesh.nodes_mm.size(), false);
   for (const auto& cell : mesh.cells)

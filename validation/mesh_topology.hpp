@@ -41,6 +41,9 @@ std::int64_t component_count(const TetMesh& mesh, const std::vector<MeshFace>& f
 /// The same per region, through faces between its own cells.
 std::map<std::int32_t, std::int64_t> component_counts(const TetMesh& mesh, const std::vector<MeshFace>& faces);
 
+/// For every node the smallest node of its part; parts hang together through nodes of cells.
+std::vector<std::int32_t> node_parts(const TetMesh& mesh);
+
 std::int64_t orphan_nodes(const TetMesh& mesh);     ///< nodes of no cell
 std::int64_t duplicate_nodes(const TetMesh& mesh);  ///< nodes at exactly the place of another
 std::int64_t duplicate_cells(const TetMesh& mesh);  ///< cells with exactly the nodes of another

@@ -26,6 +26,8 @@
 #include "generator/segment/seeds.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/text.hpp"
+#include "validation/uses.hpp"
 
 namespace heart::app {
 namespace {
@@ -62,9 +64,17 @@ void check_bounds(const ValidationSettings& bounds) {
   if (!(bounds.minimum_dihedral_deg >= 0 && bounds.minimum_dihedral_deg <= regular_deg))
     throw UserError(fmt::format("{:g} degrees", bounds.minimum_dihedral_deg), "validation.minimum_dihedral_deg",
                     fmt::format("give one between 0 and {}, the regular cell's", regular_deg));
-  if (!(bounds.maximum_dihedral_deg >= regular_deg && bounds.maximum_dihedral_deg <= 180))
-    throw UserError(fmt::format("{:g} degrees", bounds.maximum_dihedral_deg), "validation.maximum_dihedral_deg",
-                    fmt::format("give one between {}, the regular cell's, and 180", regular_deg));
+  const bool is_wide = bounds.maximum_dihedral_deg >= regular_deg && bounds.maximum_dihedral_deg <= 180;
+  if (bounds.maximum_dihedral_deg != 0 && !is_wide)
+    throw UserError(
+        fmt::format("{:g} degrees", bounds.maximum_dihedral_deg), "validation.maximum_dihedral_deg",
+        fmt::format("give one between {}, the regular cell's, and 180, or 0 for the mesher's", regular_deg));
+  const auto known = validation::use_names();
+  for (const auto& use : bounds.uses)
+    if (std::find(known.begin(), known.end(), use) == known.end())
+      throw UserError(
+          fmt::format("unknown use \"{}\"", use), "validation.uses",
+          fmt::format("did you mean \"{}\"? All of them: {}", nearest_name(use, known), fmt::join(known, ", ")));
 }
 
 /// Other texts would be left out of the citation and the metadata without a word.

@@ -37,6 +37,7 @@
 #include "validation/mesh_checks.hpp"
 #include "validation/reference_fibers.hpp"
 #include "validation/report_html.hpp"
+#include "validation/uses.hpp"
 
 namespace heart::app {
 namespace {
@@ -190,7 +191,8 @@ int validate_command(const ValidateCommand& command) {
   if (known_labels) append(report, validation::compare_labels(labels, *known_labels));
   if (known_fibers && meshes.contains("myocardium"))
     append(report, validation::compare_fibers(meshes.at("myocardium"), *known_fibers));
-  certificate.rows = std::move(report);
+  certificate =
+      validation::certified(std::move(report), std::move(certificate.warnings), names_of(meshes), bounds_of(recipe));
   if (command.json)
     fmt::print("{}\n", exporters::certificate_json(certificate));
   else

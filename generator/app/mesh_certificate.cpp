@@ -60,7 +60,8 @@ Report fidelity_rows(const std::string& mesh_name, const TetMesh& mesh, const st
     return holds(static_cast<Region>(region)) ? region : 0;
   };
   const auto own = only(labels, holds);
-  auto rows = validation::check_against_labels(mesh_name, mesh, faces, own, label_at, bounds);
+  auto rows = validation::check_against_labels(mesh_name, mesh, faces, own, bounds);
+  append(rows, validation::check_against_level_sets(mesh_name, mesh, faces, own.grid, label_at, bounds));
   append(rows, validation::check_curves(mesh_name, mesh, faces, own, label_at));
   return rows;
 }
@@ -78,7 +79,10 @@ Report check_fidelity(const std::string& mesh_name, const TetMesh& mesh, const m
   const auto label_at = [&](const Vec3& lps_mm) -> int {
     return in_field_of_view(labels.grid, index_from_lps(labels.grid, lps_mm)) ? mesh::wall_at(walls, lps_mm) : 0;
   };
-  return validation::check_against_labels(mesh_name, mesh, validation::mesh_faces(mesh), labels, label_at, bounds);
+  const auto faces = validation::mesh_faces(mesh);
+  auto rows = validation::check_against_labels(mesh_name, mesh, faces, labels, bounds);
+  append(rows, validation::check_against_level_sets(mesh_name, mesh, faces, labels.grid, label_at, bounds));
+  return rows;
 }
 
 ReportParts mesh_certificate(const std::map<std::string, TetMesh>& meshes, const validation::FacesOfMeshes& faces,

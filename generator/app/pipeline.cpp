@@ -21,10 +21,12 @@
 #include "generator/mesh/mesh_vessel.hpp"
 #include "generator/segment/vessel.hpp"
 #include "model/error.hpp"
+#include "validation/anatomy_checks.hpp"
 #include "validation/contour_fit.hpp"
 #include "validation/fiber_checks.hpp"
 #include "validation/label_checks.hpp"
 #include "validation/report_html.hpp"
+#include "validation/uses.hpp"
 
 namespace heart::app {
 namespace {
@@ -143,6 +145,7 @@ Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& 
   parts.push_back(
       {[&] { return validation::check_fibers(meshes.at("myocardium"), registration_figures(fibers), bounds); }});
   parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, bounds); }});
+  parts.push_back({[&] { return validation::check_orifices(meshes, labels); }});
   if (!ct.voxels.empty()) parts.push_back({[&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); }});
   return joined(parts);
 }
@@ -203,18 +206,19 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   bundle.labels = labels;
   bundle.inputs = std::move(inputs);
   bundle.tools = tool_versions();
-  auto& certificate = bundle.certificate;
-  certificate.warnings = all_warnings(recipe, warnings, meshes, fibers);
+  auto all = all_warnings(recipe, warnings, meshes, fibers);
   bundle.meshes = std::move(meshes);
   bundle.meshes["myocardium"] = with_fibers(std::move(bundle.meshes["myocardium"]), fibers);
   bundle.meshes.insert(further.meshes.begin(), further.meshes.end());
   const auto faces = validation::faces_of_meshes(bundle.meshes);
-  certificate.rows = all_metrics(recipe, ct, labels, bundle.meshes, faces, fibers);
+  Report rows = all_metrics(recipe, ct, labels, bundle.meshes, faces, fibers);
   const Report distances = resolution_distances(further);
-  certificate.rows.insert(certificate.rows.end(), distances.begin(), distances.end());
-  certificate.rows.insert(certificate.rows.end(), pose.begin(), pose.end());
-  if (auto text = validation::remark_on_jumps(certificate.rows); !text.empty())
-    certificate.warnings.push_back({"fibers.too_coarse", WarningLevel::warning, std::move(text)});
+  rows.insert(rows.end(), distances.begin(), distances.end());
+  rows.insert(rows.end(), pose.begin(), pose.end());
+  if (auto text = validation::remark_on_jumps(rows); !text.empty())
+    all.push_back({"fibers.too_coarse", WarningLevel::warning, std::move(text)});
+  bundle.certificate =
+      validation::certified(std::move(rows), std::move(all), names_of(bundle.meshes), bounds_of(recipe));
   auto input = report_input(recipe, bundle, ct);
   input.faces = &faces;
   input.atlas_lv = validation::helix_profile(fibers.figures.atlas.lv);
@@ -388,6 +392,12 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   return result;
 }
 
+std::vector<std::string> names_of(const Meshes& meshes) {
+  std::vector<std::string> names;
+  for (const auto& [name, mesh] : meshes) names.push_back(name);
+  return names;
+}
+
 Report certificate(const Meshes& meshes, const LabelVolume& labels, const MeshSettings& mesh_settings,
                    const ValidationSettings& settings) {
   const auto faces = validation::faces_of_meshes(meshes);
@@ -395,6 +405,10 @@ Report certificate(const Meshes& meshes, const LabelVolume& labels, const MeshSe
   if (meshes.contains("myocardium"))
     parts.push_back({[&] { return validation::check_fibers(meshes.at("myocardium"), {}, settings); }});
   parts.push_back({[&] { return check_resolution_fibers(meshes, mesh_settings, settings); }});
+  if (!labels.voxels.empty()) {
+    parts.push_back({[&] { return validation::check_labels(labels, needed_regions()); }});
+    parts.push_back({[&] { return validation::check_orifices(meshes, labels); }});
+  }
   return joined(parts);
 }
 

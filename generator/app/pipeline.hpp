@@ -27,6 +27,9 @@ struct BuildResult {
 /// Throws UserError (on every rank) for bad input; what can be checked is checked before the first stage.
 BuildResult build(const Recipe& recipe, const BuildOptions& options, const parallel::Comm& comm);
 
+/// Of a bundle's meshes, sorted.
+std::vector<std::string> names_of(const std::map<std::string, TetMesh>& meshes);
+
 /// The certificate of a bundle's meshes as `build` and `validate` make it: mesh and fibre checks, and the meshes
 /// against their label map.
 Report certificate(const std::map<std::string, TetMesh>& meshes, const LabelVolume& labels,

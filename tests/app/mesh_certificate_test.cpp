@@ -32,8 +32,8 @@ TEST(MeshCertificate, CurvesOfAPartOfTheHeartAreFoundInItsLabels) {
   for (const char* scope : {"myocardium/epicardium+atrioventricular_junction",
                             "myocardium/lv_endocardium+la_endocardium+atrioventricular_junction",
                             "chambers/lv_endocardium+la_endocardium+mitral_orifice"}) {
-    EXPECT_LT(testing::row_value(rows, scope, "curve_to_labels_p50_in_edges"), 0.15) << scope;
-    EXPECT_LT(testing::row_value(rows, scope, "curve_from_labels_p50_in_edges"), 0.2) << scope;
+    EXPECT_LT(testing::row_value(rows, scope, "curve_to_level_set_p50_in_edges"), 0.15) << scope;
+    EXPECT_LT(testing::row_value(rows, scope, "curve_from_level_set_p50_in_edges"), 0.2) << scope;
   }
 }
 

@@ -78,10 +78,10 @@ TEST(FeatureCurves, TheCertificateMeasuresHowFarAMovedMapIs) {
   const std::string scope = std::string("m/") + rim;
   const auto here = rows_at(0), moved = rows_at(shift_mm);
   const double edge_mm = row_value(here, scope, "curve_length") / static_cast<double>(curve->edges.size());
-  EXPECT_LT(row_value(here, scope, "curve_to_labels_p50_in_edges"), 0.15);
-  EXPECT_LT(row_value(here, scope, "curve_from_labels_p99_in_edges"), 0.35);
-  EXPECT_NEAR(row_value(moved, scope, "curve_to_labels_p50_in_edges") * edge_mm, shift_mm, 0.3 * shift_mm);
-  EXPECT_NEAR(row_value(moved, scope, "curve_from_labels_p50_in_edges") * edge_mm, shift_mm, 0.3 * shift_mm);
+  EXPECT_LT(row_value(here, scope, "curve_to_level_set_p50_in_edges"), 0.15);
+  EXPECT_LT(row_value(here, scope, "curve_from_level_set_p99_in_edges"), 0.35);
+  EXPECT_NEAR(row_value(moved, scope, "curve_to_level_set_p50_in_edges") * edge_mm, shift_mm, 0.3 * shift_mm);
+  EXPECT_NEAR(row_value(moved, scope, "curve_from_level_set_p50_in_edges") * edge_mm, shift_mm, 0.3 * shift_mm);
 }
 
 }  // namespace

@@ -141,12 +141,14 @@ TEST_F(SmallWalls, HaveTheVolumesOfTheLabels) {
 }
 
 TEST_F(SmallWalls, FollowTheirLevelSets) {
-  const auto rows = validation::check_against_labels(
-      "mesh", *whole, validation::mesh_faces(*whole), mesh::labels_of(*walls),
-      [&](const Vec3& p) { return mesh::wall_at(*walls, p); }, ValidationSettings{});
-  EXPECT_TRUE(all_passed(rows)) << failed_rows(rows);
-  EXPECT_LE(row_value(rows, "mesh", "to_labels_p99_in_edges"), 0.1);
-  EXPECT_LE(row_value(rows, "mesh", "to_labels_max_in_edges"), 0.3);
+  const auto of_walls = mesh::labels_of(*walls);
+  const auto faces = validation::mesh_faces(*whole);
+  const auto against_labels = validation::check_against_labels("mesh", *whole, faces, of_walls, {});
+  EXPECT_TRUE(all_passed(against_labels)) << failed_rows(against_labels);
+  const auto rows = validation::check_against_level_sets("mesh", *whole, faces, of_walls.grid,
+                                                         [&](const Vec3& p) { return mesh::wall_at(*walls, p); }, {});
+  EXPECT_LE(row_value(rows, "mesh", "to_level_set_p99_in_edges"), 0.1);
+  EXPECT_LE(row_value(rows, "mesh", "to_level_set_max_in_edges"), 0.3);
 }
 
 TEST_F(SmallWalls, NameTheirFacesAfterWhatLiesBeyond) {

@@ -187,20 +187,24 @@ struct Cubes : ::testing::Test {
   Report check(const TetMesh& mesh) const {
     ValidationSettings settings;
     settings.maximum_handles_added = 0;
-    return validation::check_against_labels(
-        "mesh", mesh, validation::mesh_faces(mesh), labels, [this](const Vec3& p) { return label_of(labels, p); },
-        settings);
+    return validation::check_against_labels("mesh", mesh, validation::mesh_faces(mesh), labels, settings);
+  }
+  /// Distances to the voxels as cubes, so that they are known exactly.
+  Report check_cubes(const TetMesh& mesh) const {
+    return validation::check_against_level_sets("mesh", mesh, validation::mesh_faces(mesh), labels.grid,
+                                                [this](const Vec3& p) { return label_of(labels, p); }, {});
   }
 };
 
 TEST_F(Cubes, ExactMeshHasNoError) {
-  const auto report = check(mesh_of(labels));
+  const auto report = check(mesh_of(labels)), distances = check_cubes(mesh_of(labels));
   for (const char* region : {"mesh/lv_myocardium", "mesh/lv_blood"}) {
     EXPECT_NEAR(row(report, region, "volume_difference").value, 0, 1e-9);
     EXPECT_EQ(row(report, region, "handles").value, row(report, region, "handles_of_labels").value);
     EXPECT_EQ(row(report, region, "cavities").value, row(report, region, "cavities_of_labels").value);
-    EXPECT_LT(row(report, region, "to_labels_max").value, 2e-3) << "as far as intervals were halved";
-    EXPECT_LT(row(report, region, "from_labels_max").value, 2e-3);
+    EXPECT_EQ(row(report, region, "dice_with_labels").value, 1);
+    EXPECT_LT(row(distances, region, "to_level_set_max").value, 2e-3) << "as far as intervals were halved";
+    EXPECT_LT(row(distances, region, "from_level_set_max").value, 2e-3);
   }
   EXPECT_TRUE(all_passed(report));
 }
@@ -208,10 +212,11 @@ TEST_F(Cubes, ExactMeshHasNoError) {
 TEST_F(Cubes, ShiftedMeshIsOffByItsShift) {
   auto mesh = mesh_of(labels);
   for (auto& p : mesh.nodes_mm) p.x += 0.3;
-  const auto report = check(mesh);
-  EXPECT_GE(row(report, "mesh", "to_labels_p99").value, 0.3 - 2e-3);
-  EXPECT_LE(row(report, "mesh", "to_labels_p99").value, 0.3 * std::sqrt(2.0) + 2e-3) << "at the edges of the cubes";
-  EXPECT_NEAR(row(report, "mesh", "from_labels_p99").value, 0.3, 2e-3);
+  const auto report = check_cubes(mesh);
+  EXPECT_GE(row(report, "mesh", "to_level_set_p99").value, 0.3 - 2e-3);
+  EXPECT_LE(row(report, "mesh", "to_level_set_p99").value, 0.3 * std::sqrt(2.0) + 2e-3) << "at the cubes' edges";
+  EXPECT_NEAR(row(report, "mesh", "from_level_set_p99").value, 0.3, 2e-3);
+  EXPECT_NEAR(row(check(mesh), "mesh", "from_labels_p50").value, 0.3, 2e-3) << "flat faces lie between voxels";
 }
 
 TEST_F(Cubes, WhatTheMeshLacksIsFarFromIt) {
@@ -219,6 +224,8 @@ TEST_F(Cubes, WhatTheMeshLacksIsFarFromIt) {
   fill(poorer, {1, 1, 7}, {9, 9, 9}, 0);  // two layers of voxels less
   const auto report = check(mesh_of(poorer));
   EXPECT_GE(row(report, "mesh/lv_myocardium", "from_labels_max").value, 2 - 2e-3);
+  EXPECT_FALSE(row(report, "mesh/lv_myocardium", "volume_difference").passed());
+  EXPECT_LT(row(report, "mesh/lv_myocardium", "dice_with_labels").value, 0.9);
   EXPECT_LT(row(report, "mesh/lv_myocardium", "volume_difference").value, -20);
   EXPECT_FALSE(row(report, "mesh/lv_myocardium", "from_labels_p99_in_edges").passed());
 }
@@ -228,6 +235,7 @@ TEST_F(Cubes, WhatTheMeshHasTooMuchIsFarFromTheLabels) {
   fill(richer, {1, 1, 9}, {9, 9, 10}, 1);
   const auto report = check(mesh_of(richer));
   EXPECT_GE(row(report, "mesh/lv_myocardium", "to_labels_max").value, 1 - 2e-3);
+  EXPECT_FALSE(row(report, "mesh/lv_myocardium", "volume_difference").passed());
 }
 
 TEST_F(Cubes, AHandleAndAPieceTooManyFail) {
@@ -249,10 +257,10 @@ TEST_F(Cubes, AHandleAndAPieceTooManyFail) {
 TEST_F(Cubes, StrandsThinnerThanAnEdgeAreNotMeasured) {
   const auto mesh = mesh_of(labels);
   fill(labels, {4, 4, 3}, {5, 5, 6}, 1);  // one voxel wide, three long, into the cavity
-  EXPECT_LT(row(check(mesh), "mesh/lv_blood", "from_labels_max_in_edges").value, 1);
+  EXPECT_LT(row(check_cubes(mesh), "mesh/lv_blood", "from_level_set_max_in_edges").value, 1);
   fill(labels, {3, 3, 3}, {7, 7, 7}, 6);
   fill(labels, {3, 3, 3}, {5, 5, 5}, 1);  // a block two wide, and two voxels of blood beside it
-  EXPECT_GT(row(check(mesh), "mesh/lv_blood", "from_labels_max_in_edges").value, 1);
+  EXPECT_GT(row(check_cubes(mesh), "mesh/lv_blood", "from_level_set_max_in_edges").value, 1);
 }
 
 TEST_F(Cubes, CrumbsOfTheLabelMapAreCountedNotMeasured) {
@@ -260,11 +268,13 @@ TEST_F(Cubes, CrumbsOfTheLabelMapAreCountedNotMeasured) {
   fill(labels, {1, 1, 1}, {3, 3, 3}, 6);  // eight voxels; crumbs have fewer than 100 / 6
   const auto report = check(mesh);
   EXPECT_NEAR(row(report, "mesh/lv_blood", "crumbs_of_labels").value, 0.008, 1e-9);
-  EXPECT_LT(row(report, "mesh/lv_blood", "from_labels_max").value, 1e-2);
-  EXPECT_LT(row(report, "mesh/lv_myocardium", "to_labels_max").value, 1e-2);
+  const auto without = check_cubes(mesh);
+  EXPECT_LT(row(without, "mesh/lv_blood", "from_level_set_max").value, 1e-2);
+  EXPECT_LT(row(without, "mesh/lv_myocardium", "to_level_set_max").value, 1e-2);
   fill(labels, {1, 1, 1}, {3, 3, 7}, 6);  // 24 voxels, beside the cavity: no crumb
-  EXPECT_GT(row(check(mesh), "mesh/lv_blood", "from_labels_max").value, 1);
-  EXPECT_GT(row(check(mesh), "mesh/lv_myocardium", "to_labels_max").value, 1);
+  const auto with = check_cubes(mesh);
+  EXPECT_GT(row(with, "mesh/lv_blood", "from_level_set_max").value, 1);
+  EXPECT_GT(row(with, "mesh/lv_myocardium", "to_level_set_max").value, 1);
 }
 
 // Neither the normals of a wedge's faces nor the sides and diagonals of a cube lead from its edge into it.
@@ -282,8 +292,8 @@ TEST(ToLabels, TheEdgeOfASharpWedgeIsOnIt) {
   auto labels = empty_map(9);
   fill(labels, {0, 0, 0}, {9, 9, 9}, 1);
   const auto report =
-      validation::check_against_labels("mesh", mesh, validation::mesh_faces(mesh), labels, label_at, {});
-  EXPECT_LT(row(report, "mesh/lv_myocardium", "to_labels_max").value, 0.02);
+      validation::check_against_level_sets("mesh", mesh, validation::mesh_faces(mesh), labels.grid, label_at, {});
+  EXPECT_LT(row(report, "mesh/lv_myocardium", "to_level_set_max").value, 0.02);
 }
 
 TEST_F(Cubes, PiecesThatTouchAtAnEdgeMayBeOneInTheMesh) {

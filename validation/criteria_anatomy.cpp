@@ -1,0 +1,54 @@
+#include "validation/criteria_tables.hpp"
+
+namespace heart::validation {
+namespace {
+
+// Published adults, any phase of the beat. Beyond `warn_*` a heart is unusual; beyond `fail_*` none of that size lives.
+constexpr const char* volumes =
+    "Healthy adults from women at end systole to men at end diastole, two standard deviations wide (Petersen 2017, UK "
+    "Biobank: left ventricle 49 +- 11 to 166 +- 32 ml, right 55 +- 15 to 182 +- 36 ml); failing hearts grow threefold.";
+constexpr const char* atria =
+    "Healthy adults have atria of at most 62 +- 17 to 93 +- 27 ml (Petersen 2017, UK Biobank) and empty them by half; "
+    "in atrial fibrillation they grow fivefold.";
+constexpr const char* walls =
+    "Healthy left ventricles weigh 70 +- 13 to 103 +- 21 g without their trabeculae (Petersen 2017, UK Biobank), right "
+    "ones about a third; hypertrophic hearts grow threefold.";
+constexpr const char* lv_thickness =
+    "Left ventricular walls thicker than 15 mm are hypertrophic (Elliott 2014, ESC guideline), and 30 mm is massive; "
+    "infarcts thin them to about 4 mm.";
+constexpr const char* rv_thickness = "Right ventricular walls thicker than 5 mm are hypertrophic (Rudski 2010).";
+constexpr const char* aortic = "Aortic annuli are 2.3 +- 0.2 to 2.6 +- 0.3 cm wide (Lang 2015): 4 to 5 cm2.";
+constexpr const char* mitral = "Mitral annuli open to 7.1 +- 1.3 cm2 in echocardiography (Ormiston 1981), to 10 in CT.";
+constexpr const char* tricuspid = "Tricuspid annuli open to 11.3 +- 1.8 cm2 (Tei 1982), dilated ones to twice that.";
+constexpr const char* pulmonary = "Pulmonary valves of adults are 2.2 to 2.7 cm wide (Capps 2000): 4 to 6 cm2.";
+
+}  // namespace
+
+std::vector<Criterion> anatomy_criteria() {
+  std::vector<Criterion> rows;
+  const auto add = [&](const char* group, const char* scope, const char* metric, Bounds bounds, const char* reason) {
+    rows.push_back({group, Where::anywhere, scope, metric, bounds, reason});
+  };
+  add("labels", "lv_blood", "volume", between(25, 40, 230, 600), volumes);
+  add("labels", "rv_blood", "volume", between(25, 40, 255, 600), volumes);
+  add("labels", "la_blood", "volume", between(10, 20, 150, 500), atria);
+  add("labels", "ra_blood", "volume", between(10, 20, 180, 600), atria);
+  add("labels", "lv_myocardium", "volume", between(30, 55, 250, 500), walls);
+  add("labels", "rv_myocardium", "volume", between(8, 15, 120, 250), walls);
+  add("labels", "*", "volume", told(), "It depends on how much of the structure the image shows.");
+  add("labels", "lv_myocardium", "wall_thickness_median", between(2, 4, 18, 35), lv_thickness);
+  add("labels", "rv_myocardium", "wall_thickness_median", between(0.7, 1.5, 7, 15), rv_thickness);
+  add("labels", "*", "wall_thickness_*", told(), "The median is judged; single places of a label map are steps.");
+  for (const char* region : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "lv_myocardium"})
+    add("labels", region, "largest_component", {0.9, 0.98, {}, {}}, "A chamber and its wall are one piece.");
+  add("labels", "*", "components", told(), "The share of the largest is judged where a structure is one piece.");
+  add("labels", "*", "largest_component", told(), "This structure may be in several pieces.");
+  add("anatomy", "aortic_orifice", "area", between(1, 2, 9, 20), aortic);
+  add("anatomy", "mitral_orifice", "area", between(1.5, 4, 18, 35), mitral);
+  add("anatomy", "tricuspid_orifice", "area", between(1.5, 4, 25, 45), tricuspid);
+  add("anatomy", "pulmonary_orifice", "area", between(1, 2, 14, 25), pulmonary);
+  add("anatomy", "*", "missing", warn_above(0), "A ventricle without an outlet is a closed bag.");
+  return rows;
+}
+
+}  // namespace heart::validation

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "exporters/bundle.hpp"
 #include "exporters/certificate_json.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "model/labels.hpp"

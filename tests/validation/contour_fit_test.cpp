@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/labels.hpp"
@@ -63,7 +64,12 @@ TEST(ContourFit, FindsAKnownOffset) {
   EXPECT_LT(fit(outside, "edge_distance_max"), 1.5);
   const Report inside = check_contour_fit(ball(18), ct);
   EXPECT_NEAR(fit(inside, "edge_distance_median"), 2.1, 0.15);
-  for (const auto& row : outside) EXPECT_FALSE(row.judges());
+  const auto verdict = [](const Report& report) {
+    return std::ranges::find(report, "edge_distance_median", &ReportRow::metric)->verdict();
+  };
+  EXPECT_EQ(verdict(outside), Verdict::passed);
+  EXPECT_EQ(verdict(inside), Verdict::warned);
+  EXPECT_EQ(verdict(check_contour_fit(ball(16), ct)), Verdict::failed);
 }
 
 TEST(ContourFit, DoesNotDependOnTheOrderOfAFacesNodes) {

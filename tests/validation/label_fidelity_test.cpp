@@ -216,7 +216,7 @@ TEST_F(Cubes, ShiftedMeshIsOffByItsShift) {
   EXPECT_GE(row(report, "mesh", "to_level_set_p99").value, 0.3 - 2e-3);
   EXPECT_LE(row(report, "mesh", "to_level_set_p99").value, 0.3 * std::sqrt(2.0) + 2e-3) << "at the cubes' edges";
   EXPECT_NEAR(row(report, "mesh", "from_level_set_p99").value, 0.3, 2e-3);
-  EXPECT_NEAR(row(check(mesh), "mesh", "from_labels_p50").value, 0.3, 2e-3) << "flat faces lie between voxels";
+  EXPECT_NEAR(row(check(mesh), "mesh/lv_blood", "centroid_shift").value, 0.3, 1e-9);
 }
 
 TEST_F(Cubes, WhatTheMeshLacksIsFarFromIt) {
@@ -227,7 +227,7 @@ TEST_F(Cubes, WhatTheMeshLacksIsFarFromIt) {
   EXPECT_FALSE(row(report, "mesh/lv_myocardium", "volume_difference").passed());
   EXPECT_LT(row(report, "mesh/lv_myocardium", "dice_with_labels").value, 0.9);
   EXPECT_LT(row(report, "mesh/lv_myocardium", "volume_difference").value, -20);
-  EXPECT_FALSE(row(report, "mesh/lv_myocardium", "from_labels_p99_in_edges").passed());
+  EXPECT_GE(row(report, "mesh/lv_myocardium", "from_labels_p99_in_edges").verdict(), Verdict::warned);
 }
 
 TEST_F(Cubes, WhatTheMeshHasTooMuchIsFarFromTheLabels) {

@@ -106,7 +106,9 @@ TEST(FaceQuality, AgainstAHandCalculation) {
   EXPECT_NEAR(straight.skewness, 0, 1e-12);
   const auto tilted = validation::face_quality(face, {1, 1, -1}, {3, 1, 1});  // crosses the face at (2, 1, 0)
   EXPECT_NEAR(tilted.non_orthogonality_deg, 45, 1e-9);
-  EXPECT_NEAR(tilted.skewness, 1 / std::sqrt(8), 1e-12);
+  EXPECT_NEAR(tilted.skewness, 0.5, 1e-12) << "1 mm off, where the face reaches 2 mm";
+  EXPECT_NEAR(validation::boundary_skewness(face, {1, 1, -1}), 0, 1e-12);
+  EXPECT_NEAR(validation::boundary_skewness(face, {2, 1, -1}), 0.5, 1e-12);
 }
 
 TEST(MeshChecks, CubeIsValid) {
@@ -248,6 +250,30 @@ TEST(MeshChecks, NodeIdsOutOfRangeEndTheCheck) {
   EXPECT_EQ(value(report, "invalid_ids"), 1);
   EXPECT_FALSE(all_passed(report));
   EXPECT_EQ(report.back().metric, "invalid_ids");
+}
+
+TEST(MeshChecks, APartThatSharesNoNodeFloats) {
+  auto mesh = cube(3);
+  EXPECT_EQ(value(check(mesh), "floating_parts"), 0);
+  const auto cell = mesh.cells.front();
+  Cell copy = cell;
+  for (auto& n : copy) {
+    mesh.nodes_mm.push_back(mesh.nodes_mm[static_cast<std::size_t>(n)] + Vec3{9, 0, 0});
+    n = static_cast<std::int32_t>(mesh.nodes_mm.size()) - 1;
+  }
+  mesh.cells.push_back(copy);
+  mesh.region.push_back(1);
+  list_faces(mesh);
+  const auto report = check(mesh);
+  EXPECT_EQ(value(report, "parts"), 2);
+  EXPECT_EQ(value(report, "floating_parts"), 1);
+  EXPECT_FALSE(row(report, "mesh", "floating_parts").passed());
+}
+
+TEST(MeshChecks, CellsWithAllNodesOnOneSurfaceAreLocked) {
+  const auto corner = cube(1);  // every node is on the surface
+  EXPECT_EQ(row(check(corner), "mesh/epicardium", "locked_cells").value, 6);
+  EXPECT_EQ(row(check(corner), "mesh/epicardium", "locked_cell_share").value, 1);
 }
 
 TEST(MeshChecks, EmptyMeshFails) { EXPECT_FALSE(all_passed(check(TetMesh{}))); }

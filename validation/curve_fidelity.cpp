@@ -126,7 +126,7 @@ Vec3 corner_at(unsigned c) {
 /// Halves a cube (low corner and width in voxels) until it is small; those in which three labels or more meet are kept.
 void find_meetings(const Grid& grid, const LabelAt& label_at, const Vec3& low, double width, const Corners& corners,
                    std::vector<Meeting>& meetings) {
-  constexpr double smallest = 0.125;
+  constexpr double smallest = 0.25;
   const Regions found = std::accumulate(corners.begin(), corners.end(), Regions{0}, std::bit_or<>());
   if (std::popcount(found) < 2) return;
   if (width <= smallest) {

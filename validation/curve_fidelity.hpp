@@ -16,7 +16,7 @@ namespace heart::validation {
 /// curve_name) for those of at least ten edges, `mesh_name` alone for all of them together. `curve_length` in mm;
 /// distances in edges of the curve. `curve_to_level_set`: from the nodes and middles of its edges to where all its
 /// regions are found, in the plane across the edge. `curve_from_level_set`: from the places where three labels meet,
-/// found to an eighth of a voxel, to the nearest edge of the mesh with these regions. What is farther than two edges
+/// found to a quarter of a voxel, to the nearest edge of the mesh with these regions. What is farther than two edges
 /// counts as two. `faces` from mesh_faces; `labels` is what the mesh was made of, `label_at` the same between its
 /// voxels.
 Report check_curves(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,

@@ -11,7 +11,7 @@
 namespace heart::validation {
 namespace {
 
-constexpr std::size_t most_samples = 200'000;
+constexpr std::size_t max_samples = 60'000;
 constexpr double reach_edges = 3;    // farther is "not there"
 constexpr double far_edges = 0.5;    // from there on it is asked why
 constexpr double march_edges = 0.1;  // thinner layers may be stepped over
@@ -60,7 +60,7 @@ double distance_to_change(const LabelAt& label_at, std::int32_t region, bool ins
 /// `count` places of [0, total), evenly.
 std::vector<std::size_t> evenly(std::size_t total) {
   std::vector<std::size_t> places;
-  const std::size_t count = std::min(total, most_samples);
+  const std::size_t count = std::min(total, max_samples);
   for (std::size_t i = 0; i < count; ++i) places.push_back(i * total / count);
   return places;
 }

@@ -33,7 +33,7 @@ struct SurfaceDistances {
 };
 
 /// `from_mesh`: along the face's normal or, where that leads farther than `enough_edges`, along the one of many
-/// directions in which it is nearest; what is farther than three edges counts as three. At most 200,000 samples each
+/// directions in which it is nearest; what is farther than three edges counts as three. At most 60,000 samples each
 /// way, evenly taken. Pieces of `labels` of less than `crumb_ml[label]` take no part, and strands and layers thinner
 /// than an edge none in `to_mesh`. `labels` has the values of `label_at` at voxels; `faces` from mesh_faces.
 SurfaceDistances surface_distances(const TetMesh& mesh, const std::vector<MeshFace>& faces, const LabelVolume& labels,

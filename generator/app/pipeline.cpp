@@ -193,7 +193,7 @@ std::string describe_atlas(const Recipe& recipe) {
 exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, Meshes meshes,
                               const fibers::FiberResult& fibers, const Resolutions& further,
                               std::vector<exporters::BundleInput> inputs, const std::vector<Warning>& warnings,
-                              const Report& pose) {
+                              const Report& pose, PartClock& clock) {
   exporters::Bundle bundle;
   bundle.name = recipe.name;
   bundle.version = recipe.version;
@@ -219,11 +219,13 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
     all.push_back({"fibers.too_coarse", WarningLevel::warning, std::move(text)});
   bundle.certificate =
       validation::certified(std::move(rows), std::move(all), names_of(bundle.meshes), bounds_of(recipe));
+  clock.done("certificate");
   auto input = report_input(recipe, bundle, ct);
   input.faces = &faces;
   input.atlas_lv = validation::helix_profile(fibers.figures.atlas.lv);
   input.atlas_rv = validation::helix_profile(fibers.figures.atlas.rv);
   bundle.report_html = validation::make_report(input);
+  clock.done("report");
   return bundle;
 }
 
@@ -370,7 +372,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
         return fibers::carry_fibers(meshes->at("myocardium"), *heart, landmarks_in_bundle(recipe), read_atlas(recipe),
                                     recipe.fibers);
       });
-  for (const auto& part : fibers->part_times) run.times.back().parts.emplace_back(part.name, part.seconds);
+  run.times.back().parts = fibers->part_times;
   Staged<Resolutions> further;
   if (!recipe.mesh.resolutions_mm.empty())
     further = run.root_stage("resolutions", {labels_key, fibers.key, recipe_section(recipe, "mesh")}, [&] {
@@ -378,13 +380,17 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
     });
   BuildResult result;
   run.cache_folder.clear();  // the bundle itself is on disk: no second copy
+  PartClock clock;
   const auto content_id = run.root_stage("bundle", {}, [&] {
     const Report pose = has_torso ? torso_rows(*around) : Report{};
-    auto bundle = make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, inputs, warnings, pose);
+    auto bundle = make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, inputs, warnings, pose, clock);
     bundle.logs["build.log"] = time_log(run);
     result.certificate = bundle.certificate;
-    return exporters::write_bundle(bundle, place, existing);
+    auto id = exporters::write_bundle(bundle, place, existing);
+    clock.done("files and their hashes");
+    return id;
   });
+  run.times.back().parts = clock.times;
   parallel::run_on_root(comm, [&] { forget_other_entries(options.cache_folder, run.used_keys); });
   finish(run.progress);
   result.content_id = *content_id;

@@ -147,7 +147,7 @@ std::string time_log(const Run& run) {
   for (const auto& time : run.times) {
     text +=
         fmt::format("{:<22} {:8.2f} s {:8.2f} GiB{}\n", time.name, time.seconds, time.peak_gib, remark_of(time.from));
-    for (const auto& part : time.parts) text += fmt::format("  {:<20} {:8.2f} s\n", part.first, part.second);
+    for (const auto& part : time.parts) text += fmt::format("  {:<20} {:8.2f} s\n", part.name, part.seconds);
     seconds += time.seconds;
     gib = std::max(gib, time.peak_gib);
   }

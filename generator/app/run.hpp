@@ -29,8 +29,8 @@ struct StageTime {
   std::string name;
   double seconds = 0;
   From from = From::making;
-  double peak_gib = 0;                                  ///< the most memory that the root has held until its end
-  std::vector<std::pair<std::string, double>> parts{};  ///< seconds of parts that the stage itself told
+  double peak_gib = 0;            ///< the most memory that the root has held until its end
+  std::vector<PartTime> parts{};  ///< that the stage itself told
 };
 
 struct Run {

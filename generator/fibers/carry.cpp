@@ -230,17 +230,6 @@ std::vector<Warning> warnings_of(const Hearts& hearts, const FiberResult& result
   return warnings;
 }
 
-/// Notes how long each part took, from the one before it.
-struct PartClock {
-  std::vector<PartTime> times{};
-  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-  void done(const char* name) {
-    const auto now = std::chrono::steady_clock::now();
-    times.push_back({name, std::chrono::duration<double>(now - start).count()});
-    start = now;
-  }
-};
-
 }  // namespace
 
 void check_settings(const FiberSettings& settings) {

@@ -9,17 +9,12 @@
 #include "generator/fibers/atlas_figures.hpp"
 #include "model/certificate.hpp"
 #include "model/landmarks.hpp"
+#include "model/part_clock.hpp"
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
 namespace heart::fibers {
-
-/// How long one part of the work took.
-struct PartTime {
-  std::string name;
-  double seconds = 0;
-};
 
 struct FiberResult {
   FiberField node;                         ///< per node of the mesh, unit and mutually orthogonal to 1e-12

@@ -21,6 +21,7 @@
 #include "generator/mesh/mesh_vessel.hpp"
 #include "generator/segment/vessel.hpp"
 #include "model/error.hpp"
+#include "model/parent_fibers.hpp"
 #include "validation/contour_fit.hpp"
 #include "validation/fiber_checks.hpp"
 #include "validation/label_checks.hpp"
@@ -212,6 +213,8 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   input.atlas_lv = validation::helix_profile(fibers.figures.atlas.lv);
   input.atlas_rv = validation::helix_profile(fibers.figures.atlas.rv);
   bundle.report_html = validation::make_report(input);
+  if (const auto torso = bundle.meshes.find("torso"); torso != bundle.meshes.end())
+    carry_fibers_to_parent(bundle.meshes.at("myocardium"), torso->second);
   return bundle;
 }
 

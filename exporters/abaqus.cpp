@@ -1,7 +1,7 @@
 // Abaqus and CalculiX, NAME.inp to be included by a model: nodes, C3D4 elements in an element set per region (and ALL),
 // per surface a node set N_SURFACE and a face surface SURFACE (both sides' numbering starts at 1), and, where there are
 // fibres, the orientation FIBERS: a distribution of fibre and sheet per element, coordinate axes where there is no
-// muscle.
+// muscle. CalculiX takes 20 characters a number, so real numbers have 13 digits.
 #include <algorithm>
 #include <set>
 
@@ -25,7 +25,7 @@ void write_nodes(OutFile& file, const TetMesh& mesh) {
   file.print(FMT_COMPILE("*NODE, NSET=NALL\n"));
   for (std::size_t n = 0; n < mesh.nodes_mm.size(); ++n) {
     const Vec3& p = mesh.nodes_mm[n];
-    file.print(FMT_COMPILE("{}, {}, {}, {}\n"), n + 1, p.x, p.y, p.z);
+    file.print(FMT_COMPILE("{}, {:.13g}, {:.13g}, {:.13g}\n"), n + 1, p.x, p.y, p.z);
   }
 }
 
@@ -64,7 +64,8 @@ void write_orientation(OutFile& file, const TetMesh& mesh) {
                   "*DISTRIBUTION, NAME=AXES, LOCATION=ELEMENT, TABLE=AXES_TABLE\n, 1, 0, 0, 0, 1, 0\n"));
   for (std::size_t c = 0; c < axes.fiber.size(); ++c) {
     const Vec3 &f = axes.fiber[c], &s = axes.sheet[c];
-    file.print(FMT_COMPILE("{}, {}, {}, {}, {}, {}, {}\n"), c + 1, f.x, f.y, f.z, s.x, s.y, s.z);
+    file.print(FMT_COMPILE("{}, {:.13g}, {:.13g}, {:.13g}, {:.13g}, {:.13g}, {:.13g}\n"), c + 1, f.x, f.y, f.z, s.x,
+               s.y, s.z);
   }
   file.print(FMT_COMPILE("*ORIENTATION, NAME=FIBERS\nAXES\n"));
 }

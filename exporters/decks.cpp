@@ -97,12 +97,36 @@ double conductivity_S_per_m(Region r) {
   return 0.2;
 }
 
-std::string opencarp_bath(const TetMesh& mesh, std::size_t first) {
-  std::string text;
-  for (const auto tag : tags_where(mesh, &is_passive)) {
-    const auto prefix = fmt::format("gregion[{}]", first++);
-    text += fmt::format("{}.name = {}\n{}{}.g_bath = {}\n", prefix, region_name(tag), id_lines(prefix, {tag}), prefix,
-                        conductivity_S_per_m(static_cast<Region>(tag)));
+/// A conductivity region of openCARP.
+struct Gregion {
+  std::string name;
+  std::vector<std::int32_t> tags;
+  std::vector<std::string> settings;  ///< "g_il = 0.17" ...
+};
+
+/// Muscle: Clerc, J Physiol 255:335 (1976).
+std::vector<Gregion> gregions_of(const TetMesh& mesh) {
+  std::vector<Gregion> groups = {
+      {"ventricles",
+       tags_where(mesh, &is_ventricle),
+       {"g_il = 0.17", "g_it = 0.019", "g_in = 0.019", "g_el = 0.62", "g_et = 0.24", "g_en = 0.24"}},
+      {"atria",
+       tags_where(mesh, &is_atrium),
+       {"g_il = 1e-6", "g_it = 1e-6", "g_in = 1e-6", "g_el = 0.62", "g_et = 0.24", "g_en = 0.24"}}};
+  for (const auto tag : tags_where(mesh, &is_passive))
+    groups.push_back(
+        {region_name(tag), {tag}, {fmt::format("g_bath = {}", conductivity_S_per_m(static_cast<Region>(tag)))}});
+  std::erase_if(groups, [](const Gregion& group) { return group.tags.empty(); });
+  return groups;
+}
+
+std::string opencarp_gregions(const TetMesh& mesh) {
+  const auto groups = gregions_of(mesh);
+  std::string text = fmt::format("num_gregions = {}\n", groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto prefix = fmt::format("gregion[{}]", g);
+    text += fmt::format("{}.name = {}\n{}", prefix, groups[g].name, id_lines(prefix, groups[g].tags));
+    for (const auto& setting : groups[g].settings) text += fmt::format("{}.{}\n", prefix, setting);
   }
   return text;
 }
@@ -118,11 +142,8 @@ void add_opencarp(const TetMesh& mesh, Values& values) {
   const auto bath = tags_where(mesh, &is_passive), muscle = tags_where(mesh, &is_myocardium);
   auto everything = muscle;
   everything.insert(everything.end(), bath.begin(), bath.end());
-  values["opencarp_ventricles"] = id_lines("gregion[0]", tags_where(mesh, &is_ventricle));
-  values["opencarp_atria"] = id_lines("gregion[1]", tags_where(mesh, &is_atrium));
   values["opencarp_cells"] = id_lines("imp_region[0]", muscle);
-  values["opencarp_gregions"] = fmt::format("{}", 2 + bath.size());
-  values["opencarp_bath"] = opencarp_bath(mesh, 2);
+  values["opencarp_gregions"] = opencarp_gregions(mesh);
   values["opencarp_bidomain"] = bath.empty() ? "0" : "2";
   values["opencarp_intra"] = id_lines("phys_region[0]", muscle);
   values["opencarp_extra"] = id_lines("phys_region[1]", everything);

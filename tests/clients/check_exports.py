@@ -491,7 +491,7 @@ def main(bundle, exports):
                 file = f"{os.path.relpath(path, exports)} ({check.__name__[6:].replace('with_', '')})"
                 mesh = meshes[max(owners, key=len)]
                 try:
-                    check(path, outer[mesh.name] if "dealii" in path else mesh, file)
+                    check(path, outer[mesh.name] if "dealii" in path or "outer" in path else mesh, file)
                 except Exception as error:  # any exception of a foreign reader is a failed export
                     expect(False, file, f"{type(error).__name__}: {error}")
     for file in sorted(checked):

@@ -1,9 +1,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -14,6 +11,7 @@
 #include "exporters/cut.hpp"
 #include "exporters/registry.hpp"
 #include "model/error.hpp"
+#include "support/client_script.hpp"
 #include "support/comma_locale.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
@@ -146,29 +144,14 @@ fs::path exported_bundle(const char* scratch) {
   return folder;
 }
 
-/// Runs a script of tests/clients; its output is shown where it fails.
-void expect_success(const std::string& script, const std::vector<fs::path>& arguments) {
-  std::string command = "/usr/bin/python3 '" + (fs::path(HEART_TESTS_FOLDER) / "clients" / script).string() + "'";
-  for (const auto& argument : arguments) command += " '" + argument.string() + "'";
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  ASSERT_NE(pipe, nullptr);
-  std::string output;
-  std::array<char, 4096> block;
-  while (const auto bytes = std::fread(block.data(), 1, block.size(), pipe)) output.append(block.data(), bytes);
-  const int status = pclose(pipe);
-  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  if (code == 77 || code == 127) GTEST_SKIP() << output;
-  EXPECT_EQ(code, 0) << output;
-}
-
 TEST(Clients, OtherReadersAgreeWithTheBundle) {
   const auto folder = exported_bundle("clients");
-  expect_success("check_exports.py", {folder / "bundle", folder / "exports"});
+  testing::expect_script_succeeds("check_exports.py", {folder / "bundle", folder / "exports"});
 }
 
 TEST(Clients, SolversThatAreNotPackagedWouldReadThemAndRefuseSpoiledOnes) {
   const auto folder = exported_bundle("rules");
-  expect_success("reader_rules.py", {folder / "exports"});
+  testing::expect_script_succeeds("reader_rules.py", {folder / "exports"});
 }
 
 }  // namespace

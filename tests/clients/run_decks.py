@@ -136,6 +136,24 @@ def run_openfoam(exports):
             print("    " + line)
 
 
+def run_gmsh_to_foam(exports):
+    """Its zones must have the names of the regions: it looks names up by number alone."""
+    for path in sorted(glob.glob(os.path.join(exports, "msh2", "*.msh"))):
+        name = os.path.basename(path)[: -len(".msh")]
+        system = os.path.join(exports, "openfoam", name, "system")
+        if not os.path.exists(system):
+            continue
+        with open(path, encoding="ascii") as stream:
+            head = stream.read(100000)
+        wanted = set(re.findall(r'^3 \d+ "(\w+)"', head, flags=re.M))
+        with tempfile.TemporaryDirectory() as case:
+            shutil.copytree(system, os.path.join(case, "system"))
+            output = run(f"gmshToFoam, {name}", ["gmshToFoam", "-case", case, path], case, r"to cellZone", FOAM)
+        zones = set(re.findall(r"to cellZone (\w+)", output or ""))
+        if output and zones != wanted:
+            failures.append(f"gmshToFoam, {name}: zones {sorted(zones)}, regions {sorted(wanted)}")
+
+
 def run_calculix(exports):
     for folder, deck in decks(exports, "abaqus/*_inflate.inp"):
         name = deck[: -len(".inp")]
@@ -172,6 +190,7 @@ def main(exports):
         run_freefem(exports, last)
     if shutil.which("checkMesh"):
         run_openfoam(exports)
+        run_gmsh_to_foam(exports)
     if shutil.which("ccx"):
         run_calculix(exports)
     if os.path.exists("/usr/include/deal.II/grid/grid_in.h"):

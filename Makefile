@@ -11,7 +11,12 @@ JOBS := $(shell n=$$(nproc); m=$$(awk '/MemAvailable/ {print int($$2 / 3000000)}
 DEMO_SIZE := 256,256,160
 DEMO_SPACING := 1.4,1.4,1.9
 
-.PHONY: all demo test bench asan format clean
+empty :=
+comma := ,
+CLIENT_FORMATS := $(subst $(empty) $(empty),$(comma),vtk vtu msh msh-ascii msh2 dealii xdmf opencarp opencarp-binary chaste \
+  svmultiphysics openfoam cardiacfoam medit mfem cardioid abaqus febio stl ply)
+
+.PHONY: all demo test test-clients bench asan format clean
 all: $(HEARTGEN)
 
 build/packages.stamp: .ci/install-packages
@@ -47,6 +52,19 @@ demo: demo/export/markers.stamp
 test: $(BUILD)/build.ninja
 	cmake --build --preset release --parallel $(JOBS)
 	ctest --preset release
+
+# The demo's exports in the programs that read them, which it installs.
+build/clients.stamp: .ci/install-clients
+	.ci/install-clients
+	@mkdir -p build && touch $@
+
+test-clients: demo/bundle/manifest.json build/clients.stamp
+	rm -rf demo/clients
+	$(HEARTGEN) export demo/bundle --to $(CLIENT_FORMATS) --output demo/clients
+	$(HEARTGEN) export demo/bundle --to msh2,msh-ascii --no-interfaces --output demo/clients/outer
+	/usr/bin/python3 tests/clients/check_exports.py demo/bundle demo/clients
+	/usr/bin/python3 tests/clients/reader_rules.py demo/clients
+	/usr/bin/python3 tests/clients/run_decks.py demo/clients
 
 # Speeds of the image stages on this machine; the last one on two processes.
 bench: $(HEARTGEN)

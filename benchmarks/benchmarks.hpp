@@ -45,5 +45,6 @@ Table bench_mesh_heart(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_torso(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_vessels(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_slice(const Settings& settings, const parallel::Comm& comm);
+Table bench_exports(const Settings& settings, const parallel::Comm& comm);
 
 }  // namespace heart::benchmarks

@@ -10,12 +10,16 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "model/error.hpp"
 #include "model/feature_curves.hpp"
+#include "model/labels.hpp"
+#include "model/parent_fibers.hpp"
 #include "model/text.hpp"
 
 namespace heart::exporters {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::int32_t rim_tag_base = 1000;
 
 void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
   for (const auto& [name, mesh] : bundle.meshes) {
@@ -51,6 +55,30 @@ fs::path inside(const fs::path& folder, const std::string& path) {
   if (!is_safe_path(path))
     throw UserError("path '" + path + "' leaves the bundle", (folder / "manifest.json").string(), "");
   return folder / path;
+}
+
+TetMesh read_files(const fs::path& folder, const ManifestMesh& entry) {
+  TetMesh mesh = adapters::read_vtu(inside(folder, entry.file));
+  adapters::read_surface(inside(folder, entry.surface_file), mesh);
+  return mesh;
+}
+
+/// Bundles of before number their surfaces otherwise; the names in the manifest hold.
+void retag_surfaces(const Manifest& manifest, TetMesh& mesh) {
+  std::map<std::int32_t, std::int32_t> today;
+  for (const auto& [name, tag] : manifest.surfaces) today[tag] = surface_from_name(name).value_or(tag);
+  for (auto& tag : mesh.surface)
+    if (const auto found = today.find(tag); found != today.end()) tag = found->second;
+  for (auto& rim : mesh.rims)
+    if (const auto found = today.find(rim.tag - rim_tag_base); found != today.end())
+      rim.tag = rim_tag_base + found->second;
+}
+
+/// Bundles of before have the fibres on the walls alone, and not on the torso that the walls are part of.
+void add_missing_fibers(const fs::path& folder, const Manifest& manifest, TetMesh& torso) {
+  const auto walls = manifest.meshes.find("myocardium");
+  if (!torso.cell_fibers.fiber.empty() || walls == manifest.meshes.end()) return;
+  carry_fibers_to_parent(read_files(folder, walls->second), torso);
 }
 
 }  // namespace
@@ -98,8 +126,9 @@ TetMesh read_mesh(const fs::path& folder, const std::string& mesh_name) {
     for (const auto& [name, mesh] : manifest.meshes) known += (known.empty() ? "" : ", ") + name;
     throw UserError("there is no mesh '" + mesh_name + "'", folder.string(), "it has: " + known);
   }
-  TetMesh mesh = adapters::read_vtu(inside(folder, entry->second.file));
-  adapters::read_surface(inside(folder, entry->second.surface_file), mesh);
+  TetMesh mesh = read_files(folder, entry->second);
+  retag_surfaces(manifest, mesh);
+  if (mesh_name == "torso") add_missing_fibers(folder, manifest, mesh);
   return mesh;
 }
 

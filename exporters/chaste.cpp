@@ -25,14 +25,11 @@ std::filesystem::path write_faces(const ExportTask& task) {
 }
 
 std::filesystem::path write_ortho(const ExportTask& task) {
-  const FiberField axes = cell_axes(task.mesh);
+  const FiberField axes = cell_axes(task.mesh, WithoutFibers::coordinate_axes);
   OutFile file(task.folder / (task.mesh_name + ".ortho"));
   file.print(FMT_COMPILE("{}\n"), axes.fiber.size());
   for (std::size_t c = 0; c < axes.fiber.size(); ++c) {
-    const bool none = axes.fiber[c] == Vec3{};
-    const Vec3 f = none ? Vec3{1, 0, 0} : axes.fiber[c];
-    const Vec3 s = none ? Vec3{0, 1, 0} : axes.sheet[c];
-    const Vec3 n = none ? Vec3{0, 0, 1} : axes.sheet_normal[c];
+    const Vec3 &f = axes.fiber[c], &s = axes.sheet[c], &n = axes.sheet_normal[c];
     file.print(FMT_COMPILE("{} {} {} {} {} {} {} {} {}\n"), f.x, f.y, f.z, s.x, s.y, s.z, n.x, n.y, n.z);
   }
   return file.close();

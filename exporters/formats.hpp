@@ -18,12 +18,23 @@ Files export_vtu(const ExportTask& task);
 Files export_msh41_binary(const ExportTask& task);
 Files export_msh41_ascii(const ExportTask& task);
 Files export_msh22_ascii(const ExportTask& task);
+Files export_dealii(const ExportTask& task);
 Files export_xdmf(const ExportTask& task);
 Files export_opencarp(const ExportTask& task);
+Files export_opencarp_binary(const ExportTask& task);
 Files export_chaste(const ExportTask& task);
 Files export_svmultiphysics(const ExportTask& task);
-Files export_mfem(const ExportTask& task);
+Files export_openfoam(const ExportTask& task);
 Files export_cardiacfoam(const ExportTask& task);
+Files export_medit(const ExportTask& task);
+Files export_mfem(const ExportTask& task);
+Files export_cardioid(const ExportTask& task);
+Files export_abaqus(const ExportTask& task);
+Files export_febio(const ExportTask& task);
+Files export_stl(const ExportTask& task);
+Files export_ply(const ExportTask& task);
+Files export_obj(const ExportTask& task);
+Files export_vtp(const ExportTask& task);
 
 /// NAME_markers.json: {name: [tag, dimension]} of regions (3), surfaces (2) and rims (0), for formats that have no
 /// place for names.
@@ -33,8 +44,17 @@ std::filesystem::path write_markers(const ExportTask& task);
 std::map<std::int32_t, std::string> regions_of(const TetMesh& mesh);
 std::map<std::int32_t, std::string> surfaces_of(const TetMesh& mesh);
 
-/// Fibres per cell: those of the mesh, or all zero when it has none.
-FiberField cell_axes(const TetMesh& mesh);
+/// What a cell without muscle gets: some readers take a zero vector for "no muscle", others refuse it.
+enum class WithoutFibers { zero, coordinate_axes };
+
+/// Fibres per cell, also where the mesh has none.
+FiberField cell_axes(const TetMesh& mesh, WithoutFibers without);
+
+/// Ids of the faces of each surface, in the mesh's order.
+std::map<std::int32_t, std::vector<std::size_t>> faces_by_surface(const TetMesh& mesh);
+
+/// Ids of the cells of each region, in the mesh's order.
+std::map<std::int32_t, std::vector<std::size_t>> cells_by_region(const TetMesh& mesh);
 
 inline bool has_fibers(const TetMesh& mesh) { return !mesh.cell_fibers.fiber.empty(); }
 

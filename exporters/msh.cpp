@@ -3,12 +3,14 @@
 // the bundle plus one, and nodes stand in that order: 4.1 wants them grouped by entity, so a run of neighbouring ids on
 // one entity makes a block (meshio pairs coordinates and $NodeData by position in the file, gmsh by id; both are right
 // only when the two orders agree). Fibres are views ($NodeData, $ElementData); a triangle shows those of the cell
-// beside it. Tetrahedra come before triangles, in 2.2 in the order of the bundle, in 4.1 grouped by region.
+// beside it. In 2.2 those of the cells have a file of their own. Tetrahedra come before triangles, in 2.2 in the order
+// of the bundle, in 4.1 grouped by region.
 #include <algorithm>
 #include <limits>
 #include <set>
 
 #include "exporters/adjacency.hpp"
+#include "exporters/cut.hpp"
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
@@ -276,11 +278,14 @@ void write_element_view(MshFile& file, const char* name, const std::vector<Vec3>
   file.end_section("ElementData");
 }
 
-void write_views(MshFile& file, const TetMesh& mesh, const MshModel& model, const ElementOrder& order) {
+void write_node_views(MshFile& file, const TetMesh& mesh) {
   write_node_view(file, "fiber", mesh.node_fibers.fiber);
   write_node_view(file, "sheet", mesh.node_fibers.sheet);
   write_node_view(file, "sheet_normal", mesh.node_fibers.sheet_normal);
   write_source_view(file, mesh.fiber_source);
+}
+
+void write_element_views(MshFile& file, const TetMesh& mesh, const MshModel& model, const ElementOrder& order) {
   write_element_view(file, "fiber", mesh.cell_fibers.fiber, order, model.face_cells);
   write_element_view(file, "sheet", mesh.cell_fibers.sheet, order, model.face_cells);
   write_element_view(file, "sheet_normal", mesh.cell_fibers.sheet_normal, order, model.face_cells);
@@ -299,7 +304,8 @@ Files export_msh41(const ExportTask& task, bool binary) {
     auto& target = entity.dimension == 3 ? order.cells : order.faces;
     target.insert(target.end(), entity.elements.begin(), entity.elements.end());
   });
-  write_views(file, task.mesh, model, order);
+  write_node_views(file, task.mesh);
+  write_element_views(file, task.mesh, model, order);
   return {file.out.close()};
 }
 
@@ -320,14 +326,8 @@ void write_elements22(MshFile& file, const TetMesh& mesh) {
   file.end_section("Elements");
 }
 
-}  // namespace
-
-Files export_msh41_binary(const ExportTask& task) { return export_msh41(task, true); }
-Files export_msh41_ascii(const ExportTask& task) { return export_msh41(task, false); }
-
-Files export_msh22_ascii(const ExportTask& task) {
+std::filesystem::path write_mesh22(const ExportTask& task, const MshModel& model) {
   const TetMesh& mesh = task.mesh;
-  const MshModel model = msh_model(mesh);
   MshFile file(task.folder / (task.mesh_name + ".msh"), false);
   write_format(file, "2.2");
   write_physical_names(file, model);
@@ -339,11 +339,36 @@ Files export_msh22_ascii(const ExportTask& task) {
   }
   file.end_section("Nodes");
   write_elements22(file, mesh);
+  write_node_views(file, mesh);
+  return file.out.close();
+}
+
+/// A file of its own, to be merged: meshio 5 cannot read a 2.2 file with $ElementData.
+std::filesystem::path write_cell_views22(const ExportTask& task, const MshModel& model) {
+  MshFile file(task.folder / (task.mesh_name + "_cells.msh"), false);
+  write_format(file, "2.2");
   ElementOrder order;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) order.cells.push_back(c);
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) order.faces.push_back(f);
-  write_views(file, mesh, model, order);
-  return {file.out.close()};
+  for (std::size_t c = 0; c < task.mesh.cells.size(); ++c) order.cells.push_back(c);
+  for (std::size_t f = 0; f < task.mesh.faces.size(); ++f) order.faces.push_back(f);
+  write_element_views(file, task.mesh, model, order);
+  return file.out.close();
+}
+
+}  // namespace
+
+Files export_msh41_binary(const ExportTask& task) { return export_msh41(task, true); }
+Files export_msh41_ascii(const ExportTask& task) { return export_msh41(task, false); }
+
+Files export_msh22_ascii(const ExportTask& task) {
+  const MshModel model = msh_model(task.mesh);
+  Files files = {write_mesh22(task, model)};
+  if (has_fibers(task.mesh)) files.push_back(write_cell_views22(task, model));
+  return files;
+}
+
+Files export_dealii(const ExportTask& task) {
+  const TetMesh outer = without_interfaces(task.mesh);
+  return export_msh22_ascii({outer, task.mesh_name, task.folder, task.unit});
 }
 
 }  // namespace heart::exporters

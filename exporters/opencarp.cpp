@@ -1,5 +1,8 @@
-// openCARP: NAME.pts, .elem (tag = region), .lon (fibre and sheet per element; zero where there is no muscle, which
-// openCARP takes as bath), and per surface and rim a list of nodes NAME_SURFACE.vtx. Ids are 0-based.
+// openCARP: points, elements (tag = region), fibre and sheet per element (zero where there is no muscle), as text
+// (.pts .elem .lon) or binary (.bpts .belem .blon); per surface the nodes (.vtx) and triangles (.surf), per rim the
+// nodes. Ids are 0-based. Its reader keeps numbers as 32-bit floats: they are written as the shortest text that gives
+// the same float. Binary files have a header of 1024 characters: counts, byte order (0: little-endian), a check number.
+#include <bit>
 #include <set>
 
 #include "exporters/formats.hpp"
@@ -8,45 +11,131 @@
 namespace heart::exporters {
 namespace {
 
+constexpr std::size_t header_bytes = 1024;
+constexpr int check_number = 666;
+constexpr std::int32_t tetrahedron = 0;
+static_assert(std::endian::native == std::endian::little, "the binary files say that they are little-endian");
+
+std::array<float, 3> as_floats(const Vec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+void write_header(OutFile& file, std::string text) {
+  text.resize(header_bytes, '\0');
+  file.raw(std::span<const char>(text));
+}
+
+std::filesystem::path named(const ExportTask& task, const std::string& ending) {
+  return task.folder / (task.mesh_name + ending);
+}
+
 template <class Ids>
 std::filesystem::path write_vtx(const ExportTask& task, const std::string& name, const Ids& ids) {
-  OutFile file(task.folder / (task.mesh_name + "_" + name + ".vtx"));
+  OutFile file(named(task, "_" + name + ".vtx"));
   file.print(FMT_COMPILE("{}\nextra\n"), ids.size());
   for (const auto id : ids) file.print(FMT_COMPILE("{}\n"), id);
   return file.close();
 }
 
-std::filesystem::path write_lon(const ExportTask& task) {
-  OutFile file(task.folder / (task.mesh_name + ".lon"));
-  const FiberField axes = cell_axes(task.mesh);
-  file.print(FMT_COMPILE("2\n"));
-  for (std::size_t c = 0; c < axes.fiber.size(); ++c) {
-    const Vec3 &f = axes.fiber[c], &s = axes.sheet[c];
-    file.print(FMT_COMPILE("{} {} {} {} {} {}\n"), f.x, f.y, f.z, s.x, s.y, s.z);
+std::filesystem::path write_surf(const ExportTask& task, const std::string& name, const std::vector<std::size_t>& ids) {
+  OutFile file(named(task, "_" + name + ".surf"));
+  file.print(FMT_COMPILE("{}\n"), ids.size());
+  for (const auto f : ids) {
+    const Face& n = task.mesh.faces[f];
+    file.print(FMT_COMPILE("Tr {} {} {}\n"), n[0], n[1], n[2]);
   }
   return file.close();
+}
+
+Files write_surfaces(const ExportTask& task) {
+  Files files;
+  const auto names = surfaces_of(task.mesh);
+  for (const auto& [tag, faces] : faces_by_surface(task.mesh)) {
+    std::set<std::int32_t> nodes;
+    for (const auto f : faces) nodes.insert(task.mesh.faces[f].begin(), task.mesh.faces[f].end());
+    files.push_back(write_vtx(task, names.at(tag), nodes));
+    files.push_back(write_surf(task, names.at(tag), faces));
+  }
+  for (const auto& rim : task.mesh.rims) files.push_back(write_vtx(task, rim.name, rim.nodes));
+  return files;
+}
+
+std::filesystem::path write_pts(const ExportTask& task) {
+  OutFile file(named(task, ".pts"));
+  file.print(FMT_COMPILE("{}\n"), task.mesh.nodes_mm.size());
+  for (const auto& node : task.mesh.nodes_mm) {
+    const auto p = as_floats(node);
+    file.print(FMT_COMPILE("{} {} {}\n"), p[0], p[1], p[2]);
+  }
+  return file.close();
+}
+
+std::filesystem::path write_elem(const ExportTask& task) {
+  const TetMesh& mesh = task.mesh;
+  OutFile file(named(task, ".elem"));
+  file.print(FMT_COMPILE("{}\n"), mesh.cells.size());
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const Cell& n = mesh.cells[c];
+    file.print(FMT_COMPILE("Tt {} {} {} {} {}\n"), n[0], n[1], n[2], n[3], mesh.region[c]);
+  }
+  return file.close();
+}
+
+std::filesystem::path write_lon(const ExportTask& task) {
+  const FiberField axes = cell_axes(task.mesh, WithoutFibers::zero);
+  OutFile file(named(task, ".lon"));
+  file.print(FMT_COMPILE("2\n"));
+  for (std::size_t c = 0; c < axes.fiber.size(); ++c) {
+    const auto f = as_floats(axes.fiber[c]), s = as_floats(axes.sheet[c]);
+    file.print(FMT_COMPILE("{} {} {} {} {} {}\n"), f[0], f[1], f[2], s[0], s[1], s[2]);
+  }
+  return file.close();
+}
+
+std::filesystem::path write_bpts(const ExportTask& task) {
+  OutFile file(named(task, ".bpts"));
+  write_header(file, fmt::format("{} 0 {}", task.mesh.nodes_mm.size(), check_number));
+  for (const auto& node : task.mesh.nodes_mm) file.raw(as_floats(node));
+  return file.close();
+}
+
+std::filesystem::path write_belem(const ExportTask& task) {
+  const TetMesh& mesh = task.mesh;
+  OutFile file(named(task, ".belem"));
+  write_header(file, fmt::format("{} 0 {}", mesh.cells.size(), check_number));
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    file.raw(tetrahedron);
+    file.raw(mesh.cells[c]);
+    file.raw(mesh.region[c]);
+  }
+  return file.close();
+}
+
+std::filesystem::path write_blon(const ExportTask& task) {
+  const FiberField axes = cell_axes(task.mesh, WithoutFibers::zero);
+  OutFile file(named(task, ".blon"));
+  write_header(file, fmt::format("2 {} 0 {}", axes.fiber.size(), check_number));
+  for (std::size_t c = 0; c < axes.fiber.size(); ++c) {
+    file.raw(as_floats(axes.fiber[c]));
+    file.raw(as_floats(axes.sheet[c]));
+  }
+  return file.close();
+}
+
+Files with_surfaces(const ExportTask& task, Files files) {
+  files.push_back(write_markers(task));
+  for (auto& file : write_surfaces(task)) files.push_back(std::move(file));
+  return files;
 }
 
 }  // namespace
 
 Files export_opencarp(const ExportTask& task) {
-  const TetMesh& mesh = task.mesh;
-  OutFile points(task.folder / (task.mesh_name + ".pts"));
-  points.print(FMT_COMPILE("{}\n"), mesh.nodes_mm.size());
-  for (const auto& p : mesh.nodes_mm) points.print(FMT_COMPILE("{} {} {}\n"), p.x, p.y, p.z);
-  OutFile elements(task.folder / (task.mesh_name + ".elem"));
-  elements.print(FMT_COMPILE("{}\n"), mesh.cells.size());
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    const Cell& n = mesh.cells[c];
-    elements.print(FMT_COMPILE("Tt {} {} {} {} {}\n"), n[0], n[1], n[2], n[3], mesh.region[c]);
-  }
-  Files files = {points.close(), elements.close(), write_lon(task), write_markers(task)};
-  std::map<std::int32_t, std::set<std::int32_t>> nodes_of;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
-    nodes_of[mesh.surface[f]].insert(mesh.faces[f].begin(), mesh.faces[f].end());
-  for (const auto& [tag, name] : surfaces_of(mesh)) files.push_back(write_vtx(task, name, nodes_of.at(tag)));
-  for (const auto& rim : mesh.rims) files.push_back(write_vtx(task, rim.name, rim.nodes));
-  return files;
+  return with_surfaces(task, {write_pts(task), write_elem(task), write_lon(task)});
+}
+
+Files export_opencarp_binary(const ExportTask& task) {
+  return with_surfaces(task, {write_bpts(task), write_belem(task), write_blon(task)});
 }
 
 }  // namespace heart::exporters

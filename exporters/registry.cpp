@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "exporters/decks.hpp"
 #include "exporters/formats.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -18,14 +19,25 @@ constexpr std::array formats = {
     ExportFormat{"vtk-ascii", ".vtk", "legacy VTK 3.0, text", "mm", &export_vtk_ascii},
     ExportFormat{"vtu", ".vtu", "VTK XML as in the bundle; faces in NAME.vtp", "mm", &export_vtu},
     ExportFormat{"msh", ".msh", "gmsh 4.1, binary, physical names, fibres as views", "mm", &export_msh41_binary},
-    ExportFormat{"msh-ascii", ".msh", "gmsh 4.1, text", "mm", &export_msh41_ascii},
-    ExportFormat{"msh2", ".msh", "gmsh 2.2, text", "mm", &export_msh22_ascii},
-    ExportFormat{"xdmf", ".xdmf", "XDMF + HDF5 as dolfinx reads it; faces in NAME_facets.xdmf", "mm", &export_xdmf},
-    ExportFormat{"opencarp", ".pts", "openCARP .pts .elem .lon .vtx", "um", &export_opencarp},
+    ExportFormat{"msh-ascii", ".msh", "gmsh 4.1, text (deal.II: add --no-interfaces)", "mm", &export_msh41_ascii},
+    ExportFormat{"msh2", ".msh", "gmsh 2.2, text; fibres per cell in NAME_cells.msh", "mm", &export_msh22_ascii},
+    ExportFormat{"dealii", ".msh", "deal.II, lifex: gmsh 2.2 with outer faces only", "mm", &export_dealii},
+    ExportFormat{"xdmf", ".xdmf", "dolfinx: XDMF + HDF5; faces in NAME_facets.xdmf", "mm", &export_xdmf},
+    ExportFormat{"opencarp", ".pts", "openCARP .pts .elem .lon .vtx .surf", "um", &export_opencarp},
+    ExportFormat{"opencarp-binary", ".bpts", "openCARP .bpts .belem .blon, .vtx, .surf", "um", &export_opencarp_binary},
     ExportFormat{"chaste", ".node", "Chaste .node .ele .face .ortho", "cm", &export_chaste},
-    ExportFormat{"svmultiphysics", ".vtu", "svMultiPhysics volume, fibre and face files", "mm", &export_svmultiphysics},
-    ExportFormat{"mfem", ".vtk", "MFEM, Cardioid: legacy VTK with `material`", "mm", &export_mfem},
+    ExportFormat{"svmultiphysics", ".vtu", "svMultiPhysics: a mesh-complete folder", "mm", &export_svmultiphysics},
+    ExportFormat{"openfoam", "", "OpenFOAM: a case with constant/polyMesh and 0/", "m", &export_openfoam},
     ExportFormat{"cardiacfoam", ".vtk", "cardiacFoam: legacy VTK with `tags`", "m", &export_cardiacfoam},
+    ExportFormat{"medit", ".mesh", "FreeFEM, mmg, TetGen: Medit .mesh; fibres as text", "mm", &export_medit},
+    ExportFormat{"mfem", ".mesh", "MFEM v1.0 with boundary; fibres as GridFunction", "mm", &export_mfem},
+    ExportFormat{"cardioid", ".vtk", "Cardioid, MFEM: legacy VTK with `material`", "mm", &export_cardioid},
+    ExportFormat{"abaqus", ".inp", "CalculiX, Abaqus: sets, surfaces, orientations", "mm", &export_abaqus},
+    ExportFormat{"febio", ".feb", "FEBio 4.0: sets, surfaces, mat_axis", "mm", &export_febio},
+    ExportFormat{"stl", ".stl", "every surface for printers and viewers, binary", "mm", &export_stl},
+    ExportFormat{"ply", ".ply", "every surface, binary", "mm", &export_ply},
+    ExportFormat{"obj", ".obj", "every surface, text", "mm", &export_obj},
+    ExportFormat{"vtp", ".vtp", "every surface as VTK XML", "mm", &export_vtp},
 };
 
 constexpr std::array<std::pair<std::string_view, double>, 4> units = {
@@ -36,6 +48,18 @@ std::string names_in(const Table& table, const Name& name) {
   std::string text;
   for (const auto& row : table) text += (text.empty() ? "" : ", ") + std::string(name(row));
   return text;
+}
+
+std::map<std::int32_t, std::vector<std::size_t>> grouped(const std::vector<std::int32_t>& tags) {
+  std::map<std::int32_t, std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < tags.size(); ++i) groups[tags[i]].push_back(i);
+  return groups;
+}
+
+Files written(const ExportFormat& format, const ExportTask& task) {
+  Files files = format.function(task);
+  for (auto& file : write_deck(format, task)) files.push_back(std::move(file));
+  return files;
 }
 
 }  // namespace
@@ -61,16 +85,17 @@ double unit_scale(std::string_view unit) {
 Files export_mesh(std::string_view format, const TetMesh& mesh, const std::string& mesh_name,
                   const std::filesystem::path& folder, std::string_view unit) {
   const ExportFormat& chosen = find_format(format);
-  const double scale = unit_scale(unit.empty() ? chosen.unit : unit);
+  if (unit.empty()) unit = chosen.unit;
+  const double scale = unit_scale(unit);
   if (mesh.cells.empty())
     throw UserError("mesh '" + mesh_name + "' has no cells", "export", "shorter edges keep what is small or thin");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw UserError("cannot be made: " + error.message(), folder.string(), "name another output folder");
-  if (scale == 1) return chosen.function({mesh, mesh_name, folder});
+  if (scale == 1) return written(chosen, {mesh, mesh_name, folder, std::string(unit)});
   TetMesh scaled = mesh;
   for (auto& node : scaled.nodes_mm) node *= scale;
-  return chosen.function({scaled, mesh_name, folder});
+  return written(chosen, {scaled, mesh_name, folder, std::string(unit)});
 }
 
 std::map<std::int32_t, std::string> regions_of(const TetMesh& mesh) {
@@ -87,10 +112,21 @@ std::map<std::int32_t, std::string> surfaces_of(const TetMesh& mesh) {
   return names;
 }
 
-FiberField cell_axes(const TetMesh& mesh) {
-  if (has_fibers(mesh)) return mesh.cell_fibers;
+std::map<std::int32_t, std::vector<std::size_t>> faces_by_surface(const TetMesh& mesh) { return grouped(mesh.surface); }
+
+std::map<std::int32_t, std::vector<std::size_t>> cells_by_region(const TetMesh& mesh) { return grouped(mesh.region); }
+
+FiberField cell_axes(const TetMesh& mesh, WithoutFibers without) {
   const std::vector<Vec3> none(mesh.cells.size());
-  return {none, none, none};
+  FiberField axes = has_fibers(mesh) ? mesh.cell_fibers : FiberField{none, none, none};
+  if (without == WithoutFibers::zero) return axes;
+  for (std::size_t c = 0; c < axes.fiber.size(); ++c) {
+    if (axes.fiber[c] != Vec3{}) continue;
+    axes.fiber[c] = {1, 0, 0};
+    axes.sheet[c] = {0, 1, 0};
+    axes.sheet_normal[c] = {0, 0, 1};
+  }
+  return axes;
 }
 
 std::filesystem::path write_markers(const ExportTask& task) {

@@ -15,6 +15,7 @@ struct ExportTask {
   const TetMesh& mesh;
   std::string mesh_name;         ///< base of the file names
   std::filesystem::path folder;  ///< exists
+  std::string unit = "mm";       ///< of the nodes
 };
 
 /// Paths of the files written.
@@ -36,8 +37,9 @@ const ExportFormat& find_format(std::string_view name);
 /// Units per millimetre: mm 1, um 1000, cm 0.1, m 0.001. Throws UserError naming the known units.
 double unit_scale(std::string_view unit);
 
-/// Writes one mesh in one format into `folder` (made when missing); an empty unit is the format's own. Returns the
-/// files written. Throws UserError for an unknown format or unit, or a folder that cannot be written.
+/// Writes one mesh in one format into `folder` (made when missing) with a README and, where there are fibres, an input
+/// that runs; an empty unit is the format's own. Returns the files written. Throws UserError for an unknown format or
+/// unit, or a folder that cannot be written.
 std::vector<std::filesystem::path> export_mesh(std::string_view format, const TetMesh& mesh,
                                                const std::string& mesh_name, const std::filesystem::path& folder,
                                                std::string_view unit = "");

@@ -1,36 +1,95 @@
-// svMultiPhysics: NAME.vtu (the volume), NAME_fiber.vtu and NAME_sheet.vtu (cell array FIB_DIR, 3 × float64, per fibre
-// family) and per surface NAME_SURFACE.vtp with the point array GlobalNodeID (int32, 1-based).
+// svMultiPhysics, the folder NAME-mesh-complete:
+//   mesh-complete.mesh.vtu      cell arrays GlobalElementID, DOMAIN_ID (the region's tag), point array GlobalNodeID
+//   mesh-complete.exterior.vtp  the outer boundary; mesh-surfaces/SURFACE.vtp every named surface: GlobalNodeID, and
+//                               GlobalElementID, the tetrahedron behind the face (of two, the one of the lower id)
+//   fiber.vtu, sheet.vtu        cell array FIB_DIR, 3 × float64, one file per family; coordinate axes where there is no
+//                               muscle, because parallel or zero families are refused
+//   domain_ids.dat              a domain per tetrahedron: the region's tag, or that of the stimulated site
+// All ids are int32 and 1-based.
+#include <algorithm>
+#include <numeric>
+
+#include "exporters/adjacency.hpp"
+#include "exporters/decks.hpp"
 #include "exporters/formats.hpp"
+#include "exporters/out_file.hpp"
 #include "generator/adapters/vtk_io.hpp"
+#include "model/labels.hpp"
 
 namespace heart::exporters {
 namespace {
 
-std::filesystem::path write_family(const ExportTask& task, const std::string& name, const std::vector<Vec3>& axes) {
+std::vector<std::int32_t> one_to(std::size_t count) {
+  std::vector<std::int32_t> ids(count);
+  std::iota(ids.begin(), ids.end(), 1);
+  return ids;
+}
+
+std::filesystem::path write_volume(const std::filesystem::path& folder, const TetMesh& mesh) {
+  auto path = folder / "mesh-complete.mesh.vtu";
+  adapters::write_vtu(path, mesh, {{"GlobalElementID", one_to(mesh.cells.size())}, {"DOMAIN_ID", mesh.region}},
+                      {{"GlobalNodeID", one_to(mesh.nodes_mm.size())}});
+  return path;
+}
+
+std::filesystem::path write_family(const std::filesystem::path& path, const TetMesh& mesh, std::vector<Vec3> axes) {
   adapters::UnstructuredData data;
-  data.points = task.mesh.nodes_mm;
-  data.tets = task.mesh.cells;
-  data.cell_vectors["FIB_DIR"] = axes;
-  auto path = task.folder / (task.mesh_name + "_" + name + ".vtu");
+  data.points = mesh.nodes_mm;
+  data.tets = mesh.cells;
+  data.cell_vectors["FIB_DIR"] = std::move(axes);
   adapters::write_unstructured(path, data);
   return path;
+}
+
+/// The regions, and a domain of its own for ventricular cells at the site that the deck stimulates: this solver
+/// stimulates whole domains.
+std::filesystem::path write_domains(const std::filesystem::path& folder, const ExportTask& task) {
+  const TetMesh& mesh = task.mesh;
+  const Vec3 site = septal_site(mesh);
+  const double radius = stimulus_radius_mm * unit_scale(task.unit);
+  OutFile file(folder / "domain_ids.dat");
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const bool is_site = is_myocardium(static_cast<Region>(mesh.region[c])) &&
+                         std::any_of(mesh.cells[c].begin(), mesh.cells[c].end(), [&](std::int32_t node) {
+                           return norm(mesh.nodes_mm[static_cast<std::size_t>(node)] - site) <= radius;
+                         });
+    file.print(FMT_COMPILE("{}\n"), is_site ? stimulus_domain : mesh.region[c]);
+  }
+  return file.close();
+}
+
+std::filesystem::path write_patch(const std::filesystem::path& path, const TetMesh& mesh,
+                                  const std::vector<std::size_t>& faces, const std::vector<FaceCells>& sides) {
+  std::vector<std::int32_t> elements;
+  elements.reserve(faces.size());
+  for (const auto f : faces) elements.push_back(sides[f][0] + 1);
+  adapters::write_vtp(path, mesh, faces, {{"GlobalElementID", elements}});
+  return path;
+}
+
+std::vector<std::size_t> outer_faces(const std::vector<FaceCells>& sides) {
+  std::vector<std::size_t> outer;
+  for (std::size_t f = 0; f < sides.size(); ++f)
+    if (sides[f][1] < 0) outer.push_back(f);
+  return outer;
 }
 
 }  // namespace
 
 Files export_svmultiphysics(const ExportTask& task) {
   const TetMesh& mesh = task.mesh;
-  const auto volume = task.folder / (task.mesh_name + ".vtu");
-  adapters::write_vtu(volume, mesh);
-  Files files = {volume, write_markers(task)};
+  const auto folder = task.folder / (task.mesh_name + "-mesh-complete");
+  const auto sides = cells_of_faces(mesh);
+  Files files = {write_volume(folder, mesh), write_domains(folder, task), write_markers(task)};
   if (has_fibers(mesh)) {
-    files.push_back(write_family(task, "fiber", mesh.cell_fibers.fiber));
-    files.push_back(write_family(task, "sheet", mesh.cell_fibers.sheet));
+    auto axes = cell_axes(mesh, WithoutFibers::coordinate_axes);
+    files.push_back(write_family(folder / "fiber.vtu", mesh, std::move(axes.fiber)));
+    files.push_back(write_family(folder / "sheet.vtu", mesh, std::move(axes.sheet)));
   }
-  for (const auto& [tag, name] : surfaces_of(mesh)) {
-    files.push_back(task.folder / (task.mesh_name + "_" + name + ".vtp"));
-    adapters::write_vtp(files.back(), mesh, tag);
-  }
+  files.push_back(write_patch(folder / "mesh-complete.exterior.vtp", mesh, outer_faces(sides), sides));
+  const auto names = surfaces_of(mesh);
+  for (const auto& [tag, faces] : faces_by_surface(mesh))
+    files.push_back(write_patch(folder / "mesh-surfaces" / (names.at(tag) + ".vtp"), mesh, faces, sides));
   return files;
 }
 

@@ -1,5 +1,5 @@
 // Legacy VTK of file version 3.0, by hand: VTK's own writer makes version 5.1, which few other readers know, and
-// writes text with too few digits. Also its dialects for MFEM / Cardioid and cardiacFoam. And .vtu / .vtp.
+// writes text with too few digits. Also its dialects for Cardioid / MFEM and cardiacFoam. And .vtu / .vtp.
 #include <set>
 
 #include "exporters/formats.hpp"
@@ -121,7 +121,7 @@ Files export_legacy(const ExportTask& task, bool binary) {
 Files export_vtk_binary(const ExportTask& task) { return export_legacy(task, true); }
 Files export_vtk_ascii(const ExportTask& task) { return export_legacy(task, false); }
 
-Files export_mfem(const ExportTask& task) {
+Files export_cardioid(const ExportTask& task) {
   return {write_volume(task, false, "material", PointArrays::none), write_markers(task)};
 }
 

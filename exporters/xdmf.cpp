@@ -1,11 +1,15 @@
 // XDMF + HDF5. NAME.xdmf holds the tetrahedra with `cell_tags`, NAME_facets.xdmf the labelled triangles with
-// `facet_tags` on the same nodes: one topology a file, as dolfinx and meshio want it. Both point into NAME.h5:
-//   /mesh/geometry float64 N×3, /mesh/topology int32 M×4, /mesh/cell_tags int32 M,
-//   /facets/topology int32 K×3, /facets/facet_tags int32 K, /rims/NAME int32 (0-based nodes),
-//   /nodes/{fiber,sheet,sheet_normal} float64 N×3, /nodes/fiber_source uint8 N, /cells/{fiber,...} float64 M×3.
-// The HDF5 file keeps no time stamps, so equal meshes give equal bytes.
+// `facet_tags` on the same nodes: one topology a file, as dolfinx and meshio want it. dolfinx opens the .h5 file that
+// is named as the .xdmf file is, so each has its own:
+//   NAME.h5         /mesh/geometry float64 N×3, /mesh/topology int32 M×4, /mesh/cell_tags int32 M,
+//                   /rims/NAME int32 (0-based nodes), /nodes/{fiber,sheet,sheet_normal} float64 N×3,
+//                   /nodes/fiber_source uint8 N, /cells/{fiber,sheet,sheet_normal} float64 M×3
+//   NAME_facets.h5  /facets/topology int32 K×3, /facets/facet_tags int32 K
+// Integers are compressed (shuffled, deflated), and zero fibres take no room. The files keep no time stamps, so equal
+// meshes give equal bytes.
 #include <hdf5.h>
 
+#include <algorithm>
 #include <string>
 
 #include "exporters/formats.hpp"
@@ -49,8 +53,10 @@ class H5File {
   void write(const std::string& name, hid_t stored_type, hid_t memory_type, const void* data, std::size_t rows,
              std::size_t columns) {
     const hsize_t shape[2] = {rows, columns};
-    const Handle space(H5Screate_simple(columns == 1 ? 1 : 2, shape, nullptr), &H5Sclose);
+    const int rank = columns == 1 ? 1 : 2;
+    const Handle space(H5Screate_simple(rank, shape, nullptr), &H5Sclose);
     const Handle creation(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    if (rows > 0) compress(creation, rank, rows, columns);
     const Handle links(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
     require(H5Pset_obj_track_times(creation, false) >= 0 && H5Pset_create_intermediate_group(links, 1) >= 0);
     const Handle set(H5Dcreate2(file_, name.c_str(), stored_type, space, links, creation, H5P_DEFAULT), &H5Dclose);
@@ -80,10 +86,17 @@ class H5File {
   }
 
  private:
+  void compress(hid_t creation, int rank, std::size_t rows, std::size_t columns) const {
+    const hsize_t chunk[2] = {std::min<hsize_t>(rows, rows_per_chunk), columns};
+    require(H5Pset_chunk(creation, rank, chunk) >= 0 && H5Pset_shuffle(creation) >= 0 &&
+            H5Pset_deflate(creation, fastest) >= 0);
+  }
   void require(bool done) const {
     if (!done)
       throw UserError("cannot be written", whole_.path.string(), "is there room, and the right to write there?");
   }
+  static constexpr hsize_t rows_per_chunk = 1 << 15;
+  static constexpr unsigned fastest = 1;
   NewFile whole_;
   hid_t file_ = -1;
 };
@@ -102,12 +115,19 @@ std::filesystem::path write_h5(const ExportTask& task) {
   file.write("/mesh/geometry", mesh.nodes_mm);
   file.write("/mesh/topology", mesh.cells);
   file.write("/mesh/cell_tags", mesh.region);
-  file.write("/facets/topology", mesh.faces);
-  file.write("/facets/facet_tags", mesh.surface);
   for (const auto& rim : mesh.rims) file.write("/rims/" + rim.name, rim.nodes);
   write_axes(file, "/nodes", mesh.node_fibers);
   if (!mesh.fiber_source.empty()) file.write("/nodes/fiber_source", mesh.fiber_source);
   write_axes(file, "/cells", mesh.cell_fibers);
+  file.close();
+  return path;
+}
+
+std::filesystem::path write_facets_h5(const ExportTask& task) {
+  auto path = task.folder / (task.mesh_name + "_facets.h5");
+  H5File file(path);
+  file.write("/facets/topology", task.mesh.faces);
+  file.write("/facets/facet_tags", task.mesh.surface);
   file.close();
   return path;
 }
@@ -123,13 +143,20 @@ struct XdmfGrid {
 
 class XdmfFile {
  public:
-  XdmfFile(const ExportTask& task, const std::filesystem::path& path) : out_(path), h5_(task.mesh_name + ".h5") {}
+  /// `path` is NAME.xdmf or NAME_facets.xdmf; its data lie in the .h5 file of the same name, the nodes in NAME.h5.
+  XdmfFile(const ExportTask& task, const std::filesystem::path& path)
+      : out_(path), h5_(path.stem().string() + ".h5"), nodes_h5_(task.mesh_name + ".h5") {}
 
   void item(std::size_t rows, int columns, const char* type, int bytes, const std::string& data_set) {
+    item_in(h5_, rows, columns, type, bytes, data_set);
+  }
+
+  void item_in(const std::string& h5, std::size_t rows, int columns, const char* type, int bytes,
+               const std::string& data_set) {
     const std::string shape = columns == 1 ? std::to_string(rows) : fmt::format("{} {}", rows, columns);
     out_.print(FMT_COMPILE("<DataItem Dimensions=\"{}\" NumberType=\"{}\" Precision=\"{}\" Format=\"HDF\">{}:{}"
                            "</DataItem>"),
-               shape, type, bytes, h5_, data_set);
+               shape, type, bytes, h5, data_set);
   }
 
   void attribute(const char* name, const char* center, std::size_t rows, int columns, const char* type, int bytes,
@@ -162,7 +189,7 @@ class XdmfFile {
                grid.topology, grid.cells, grid.nodes_per_cell);
     item(grid.cells, grid.nodes_per_cell, "Int", 4, grid.group + "/topology");
     out_.print(FMT_COMPILE("</Topology>\n      <Geometry GeometryType=\"XYZ\">"));
-    item(nodes, 3, "Float", 8, "/mesh/geometry");
+    item_in(nodes_h5_, nodes, 3, "Float", 8, "/mesh/geometry");
     out_.print(FMT_COMPILE("</Geometry>\n"));
     attribute(grid.tags.c_str(), "Cell", grid.cells, 1, "Int", 4, grid.group + "/" + grid.tags);
   }
@@ -174,7 +201,7 @@ class XdmfFile {
 
  private:
   OutFile out_;
-  std::string h5_;
+  std::string h5_, nodes_h5_;
 };
 
 std::filesystem::path write_volume_xdmf(const ExportTask& task) {
@@ -200,7 +227,7 @@ std::filesystem::path write_facets_xdmf(const ExportTask& task) {
 }  // namespace
 
 Files export_xdmf(const ExportTask& task) {
-  return {write_h5(task), write_volume_xdmf(task), write_facets_xdmf(task), write_markers(task)};
+  return {write_h5(task), write_facets_h5(task), write_volume_xdmf(task), write_facets_xdmf(task), write_markers(task)};
 }
 
 }  // namespace heart::exporters

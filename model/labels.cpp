@@ -7,36 +7,37 @@
 namespace heart {
 namespace {
 
-// Surface tags. 1-99 fixed surfaces, 101.. trachea ends, 201.. carotid ends.
+// Surface tags: 101-199 fixed surfaces, 201.. trachea ends, 301.. carotid ends; regions have 1-99.
 enum Surface : std::int32_t {
-  epicardium = 1,
-  lv_endocardium = 2,
-  rv_endocardium = 3,
-  la_endocardium = 4,
-  ra_endocardium = 5,
-  mitral_orifice = 6,
-  aortic_orifice = 7,
-  tricuspid_orifice = 8,
-  pulmonary_orifice = 9,
-  aorta_wall = 10,
-  pulmonary_artery_wall = 11,
-  skin = 12,
-  fov_cut = 13,
-  trachea_wall = 14,
-  carotid_wall = 15,
-  lung_surface = 16,
-  bone_surface = 17,
-  liver_surface = 18,
-  papillary_surface = 19,
-  septum_junction = 20,            // LV muscle against RV muscle
-  atrioventricular_junction = 21,  // ventricular muscle against atrial wall
-  interatrial_junction = 22,       // left against right atrial wall
-  papillary_base = 23,             // papillary muscle against the compact wall
-  blood_contact = 24,              // two blood pools that touch away from a valve
+  epicardium = 101,
+  lv_endocardium = 102,
+  rv_endocardium = 103,
+  la_endocardium = 104,
+  ra_endocardium = 105,
+  mitral_orifice = 106,
+  aortic_orifice = 107,
+  tricuspid_orifice = 108,
+  pulmonary_orifice = 109,
+  aorta_wall = 110,
+  pulmonary_artery_wall = 111,
+  skin = 112,
+  fov_cut = 113,
+  trachea_wall = 114,
+  carotid_wall = 115,
+  lung_surface = 116,
+  bone_surface = 117,
+  liver_surface = 118,
+  papillary_surface = 119,
+  septum_junction = 120,            // LV muscle against RV muscle
+  atrioventricular_junction = 121,  // ventricular muscle against atrial wall
+  interatrial_junction = 122,       // left against right atrial wall
+  papillary_base = 123,             // papillary muscle against the compact wall
+  blood_contact = 124,              // two blood pools that touch away from a valve
+  base = 125,                       // what a mesh of the ventricles ends in where the atria were cut off
 };
 
-constexpr int trachea_end_base = 100;
-constexpr int carotid_end_base = 200;
+constexpr int trachea_end_base = 200;
+constexpr int carotid_end_base = 300;
 
 bool is_ventricular_muscle(Region r) { return r == Region::lv_myocardium || r == Region::rv_myocardium; }
 bool is_atrial_wall(Region r) { return r == Region::la_wall || r == Region::ra_wall; }
@@ -123,7 +124,8 @@ const std::vector<NamedTag>& surface_table() {
                                               {"atrioventricular_junction", atrioventricular_junction},
                                               {"interatrial_junction", interatrial_junction},
                                               {"papillary_base", papillary_base},
-                                              {"blood_contact", blood_contact}};
+                                              {"blood_contact", blood_contact},
+                                              {"base", base}};
   return table;
 }
 

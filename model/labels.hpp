@@ -1,5 +1,5 @@
 // The only table of region, surface and rim names and their integer tags.
-// Tags are part of the bundle format: never reuse or renumber one, only append.
+// Tags are part of the bundle format: only append. Regions 1-99, surfaces from 101: some readers share one table.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -48,7 +48,7 @@ std::optional<Region> region_from_name(std::string_view name);
 std::string surface_name(std::int32_t tag);  ///< also trachea_end_N, carotid_end_N
 std::optional<std::int32_t> surface_from_name(std::string_view name);
 
-/// Tag of the N-th (1-based) cut end of the trachea or the carotid: 100 + N, 200 + N.
+/// Tag of the N-th (1-based) cut end of the trachea or the carotid: 200 + N, 300 + N.
 std::int32_t end_surface_tag(Region vessel, int number);
 
 /// The surface where two regions meet (order does not matter; Region::none is the outside of the mesh).

@@ -20,6 +20,7 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "generator/adapters/vtk_guard.hpp"
 #include "model/new_file.hpp"
@@ -114,25 +115,23 @@ void write_xml(const std::filesystem::path& path, vtkDataObject* data) {
   whole.finish();
 }
 
-/// The faces of one surface (or all) on their own points.
+/// Some faces on their own points.
 struct FacePatch {
   std::vector<std::int32_t> nodes;  ///< ascending node ids of the mesh: the patch's points
   std::vector<Face> faces;          ///< in patch numbering
   std::vector<std::int32_t> surface;
 };
 
-FacePatch face_patch(const TetMesh& mesh, const std::int32_t* only_tag) {
+FacePatch face_patch(const TetMesh& mesh, const std::vector<std::size_t>& faces, const std::vector<Rim>& rims) {
   std::vector<std::int32_t> patch_id(mesh.nodes_mm.size(), -1);
   FacePatch patch;
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    if (only_tag && mesh.surface[f] != *only_tag) continue;
+  for (const auto f : faces) {
     patch.faces.push_back(mesh.faces[f]);
     patch.surface.push_back(mesh.surface[f]);
     for (const auto node : mesh.faces[f]) patch_id[static_cast<std::size_t>(node)] = 0;
   }
-  if (!only_tag)
-    for (const auto& rim : mesh.rims)
-      for (const auto node : rim.nodes) patch_id[static_cast<std::size_t>(node)] = 0;
+  for (const auto& rim : rims)
+    for (const auto node : rim.nodes) patch_id[static_cast<std::size_t>(node)] = 0;
   for (std::size_t n = 0; n < patch_id.size(); ++n) {
     if (patch_id[n] < 0) continue;
     patch_id[n] = static_cast<std::int32_t>(patch.nodes.size());
@@ -152,7 +151,7 @@ std::vector<std::uint8_t> rim_flags(const FacePatch& patch, const Rim& rim) {
 }
 
 void write_patch(const std::filesystem::path& path, const TetMesh& mesh, const FacePatch& patch,
-                 const std::vector<Rim>& rims) {
+                 const std::vector<Rim>& rims, const IntArrays& on_faces) {
   std::vector<Vec3> points;
   std::vector<std::int32_t> global_ids, rim_tags;
   for (const auto node : patch.nodes) {
@@ -168,6 +167,7 @@ void write_patch(const std::filesystem::path& path, const TetMesh& mesh, const F
   data->SetPoints(borrow_points(points));
   data->SetPolys(cell_array(patch.faces));
   data->GetCellData()->AddArray(borrow("surface", patch.surface));
+  for (const auto& [name, values] : on_faces) add(data->GetCellData(), name.c_str(), values);
   data->GetPointData()->AddArray(borrow("GlobalNodeID", global_ids));
   for (std::size_t r = 0; r < rims.size(); ++r) add(data->GetPointData(), rims[r].name.c_str(), flags[r]);
   add(data->GetFieldData(), "rim_tag", rim_tags);
@@ -191,7 +191,9 @@ void write_vtu(const std::filesystem::path& path, const TetMesh& mesh) {
 }
 
 void write_vtp(const std::filesystem::path& path, const TetMesh& mesh) {
-  write_patch(path, mesh, face_patch(mesh, nullptr), mesh.rims);
+  std::vector<std::size_t> all(mesh.faces.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  write_patch(path, mesh, face_patch(mesh, all, mesh.rims), mesh.rims, {});
 }
 
 void write_curves(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<FeatureCurve>& curves) {
@@ -225,8 +227,19 @@ void write_curves(const std::filesystem::path& path, const TetMesh& mesh, const 
   write_xml<vtkXMLPolyDataWriter>(path, data);
 }
 
-void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, std::int32_t surface_tag) {
-  write_patch(path, mesh, face_patch(mesh, &surface_tag), {});
+void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<std::size_t>& faces,
+               const IntArrays& on_faces) {
+  write_patch(path, mesh, face_patch(mesh, faces, {}), {}, on_faces);
+}
+
+void write_vtu(const std::filesystem::path& path, const TetMesh& mesh, const IntArrays& on_cells,
+               const IntArrays& on_points) {
+  vtkNew<vtkUnstructuredGrid> grid;
+  grid->SetPoints(borrow_points(mesh.nodes_mm));
+  grid->SetCells(VTK_TETRA, cell_array(mesh.cells));
+  for (const auto& [name, values] : on_cells) add(grid->GetCellData(), name.c_str(), values);
+  for (const auto& [name, values] : on_points) add(grid->GetPointData(), name.c_str(), values);
+  write_xml<vtkXMLUnstructuredGridWriter>(path, grid);
 }
 
 void write_vtu(const std::filesystem::path& path, const TriMesh& mesh) {

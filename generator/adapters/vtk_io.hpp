@@ -33,8 +33,17 @@ void write_vtp(const std::filesystem::path& path, const TetMesh& mesh);
 /// array `curve_name`, their names in order; point array `GlobalNodeID` int32 as in NAME.vtp.
 void write_curves(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<FeatureCurve>& curves);
 
-/// Only the faces whose tag is `surface_tag`, with the points they use.
-void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, std::int32_t surface_tag);
+/// int32 arrays by name, for codes that look for names of their own.
+using IntArrays = std::map<std::string, std::vector<std::int32_t>>;
+
+/// Nodes and cells of a mesh with these arrays alone.
+void write_vtu(const std::filesystem::path& path, const TetMesh& mesh, const IntArrays& on_cells,
+               const IntArrays& on_points);
+
+/// Some faces (ids, ascending) with the points they use: `surface` and GlobalNodeID, and arrays with a value per listed
+/// face.
+void write_vtp(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<std::size_t>& faces,
+               const IntArrays& on_faces);
 
 /// Triangles with their `region`.
 void write_vtu(const std::filesystem::path& path, const TriMesh& mesh);

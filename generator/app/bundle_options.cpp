@@ -96,12 +96,21 @@ void add_export(Program& p) {
                          on_root(p, [&p] { return export_command(p.exporting); }));
   std::string formats;
   for (const auto& format : exporters::export_formats())
-    formats += fmt::format("\n  {:<12} {}", format.name, format.description);
-  sub->footer("Formats:" + formats + "\nExample:\n  heartgen export bundle --to vtk,msh,xdmf --output export");
+    formats += fmt::format("\n  {:<15} {:>2}  {}", format.name, format.unit, format.description);
+  sub->footer("Formats, with the unit their readers expect:" + formats +
+              "\nEvery export comes with NAME_README.md: what was written and how to run it; where there are fibres, "
+              "with an input that runs.\nExamples:\n  heartgen export bundle --to xdmf,opencarp --output export\n  "
+              "heartgen export bundle --to xdmf --only ventricles --output export");
   sub->add_option("bundle", p.exporting.bundle, "folder of the bundle")->required();
   sub->add_option("--to", p.exporting.formats, "formats, separated by commas")->required()->delimiter(',');
   sub->add_option("-o,--output", p.exporting.output, "folder to write into")->required();
   sub->add_option("--mesh", p.exporting.mesh, "only this mesh");
+  sub->add_option("--only", p.exporting.only,
+                  "cut out regions: names separated by commas, or ventricles, atria, walls, blood; where ventricles "
+                  "and atria are parted, the new surface is \"base\"")
+      ->delimiter(',');
+  sub->add_flag("--no-interfaces", p.exporting.no_interfaces,
+                "leave out triangles between regions, which some readers refuse");
   sub->add_option("--unit", p.exporting.unit, "mm, um, cm or m (default: what the format's readers expect)");
   sub->add_flag("--json", p.exporting.json, "print the files written as JSON");
 }

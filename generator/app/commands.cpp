@@ -205,31 +205,6 @@ int validate_command(const ValidateCommand& command) {
   return verdict_of(certificate) == Verdict::failed ? validation_failed : 0;
 }
 
-int export_command(const ExportCommand& command) {
-  const auto manifest = exporters::read_manifest(command.bundle);
-  if (!command.mesh.empty() && !manifest.meshes.contains(command.mesh)) {
-    std::vector<std::string> names;
-    for (const auto& [name, entry] : manifest.meshes) names.push_back(name);
-    throw UserError(fmt::format("has no mesh \"{}\"", command.mesh), command.bundle,
-                    fmt::format("its meshes: {}", fmt::join(names, ", ")));
-  }
-  for (const auto& format : command.formats) exporters::find_format(format);  // before anything is written
-  exporters::refuse_inside(command.output, command.bundle);
-  Json files = Json::array();
-  for (const auto& [name, entry] : manifest.meshes) {
-    if (!command.mesh.empty() && name != command.mesh) continue;
-    const TetMesh mesh = exporters::read_mesh(command.bundle, name);
-    for (const auto& format : command.formats)
-      for (const auto& file :
-           exporters::export_mesh(format, mesh, name, fs::path(command.output) / format, command.unit)) {
-        files.push_back(file.string());
-        if (!command.json) fmt::print("{}\n", file.string());
-      }
-  }
-  if (command.json) fmt::print("{}\n", files.dump(1));
-  return 0;
-}
-
 int verify_command(const std::string& bundle, bool json) {
   const auto problems = exporters::verify_bundle(bundle);
   if (json) {

@@ -27,7 +27,8 @@ int validate_command(const ValidateCommand& command);
 
 struct ExportCommand {
   std::string bundle, output, mesh, unit;
-  std::vector<std::string> formats;
+  std::vector<std::string> formats, only;  ///< only: regions to cut out; empty: all
+  bool no_interfaces = false;
   bool json = false;
 };
 int export_command(const ExportCommand& command);

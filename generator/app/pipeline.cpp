@@ -21,6 +21,7 @@
 #include "generator/mesh/mesh_vessel.hpp"
 #include "generator/segment/vessel.hpp"
 #include "model/error.hpp"
+#include "model/parent_fibers.hpp"
 #include "validation/anatomy_checks.hpp"
 #include "validation/contour_fit.hpp"
 #include "validation/fiber_checks.hpp"
@@ -209,6 +210,8 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   auto all = all_warnings(recipe, warnings, meshes, fibers);
   bundle.meshes = std::move(meshes);
   bundle.meshes["myocardium"] = with_fibers(std::move(bundle.meshes["myocardium"]), fibers);
+  if (const auto torso = bundle.meshes.find("torso"); torso != bundle.meshes.end())
+    carry_fibers_to_parent(bundle.meshes.at("myocardium"), torso->second);
   bundle.meshes.insert(further.meshes.begin(), further.meshes.end());
   const auto faces = validation::faces_of_meshes(bundle.meshes);
   Report rows = all_metrics(recipe, ct, labels, bundle.meshes, faces, fibers);

@@ -21,12 +21,13 @@ namespace heart::mesh {
 namespace {
 
 enum class Tissue : std::int32_t { outside = 0, myocardium = 1, cavities = 2, lungs = 3, torso = 4 };
-enum class Curve : std::int32_t { endocardium = 1, epicardium, vessel_wall, lung_surface, skin, fov_cut };
+// From 101: some readers keep one table of numbers and names for all dimensions.
+enum class Curve : std::int32_t { endocardium = 101, epicardium, vessel_wall, lung_surface, skin, fov_cut };
 
 const std::map<std::int32_t, std::string> tissue_names{
     {1, "myocardium"}, {2, "heart_cavities"}, {3, "lungs"}, {4, "torso"}};
-const std::map<std::int32_t, std::string> curve_names{{1, "endocardium"},  {2, "epicardium"}, {3, "vessel_wall"},
-                                                      {4, "lung_surface"}, {5, "skin"},       {6, "fov_cut"}};
+const std::map<std::int32_t, std::string> curve_names{{101, "endocardium"},  {102, "epicardium"}, {103, "vessel_wall"},
+                                                      {104, "lung_surface"}, {105, "skin"},       {106, "fov_cut"}};
 
 // A region of each tissue stands for it in the domain, so that its rules apply: blood, then walls, then the rest.
 constexpr std::array stand_in{Region::none, Region::lv_myocardium, Region::lv_blood, Region::lung, Region::torso};

@@ -129,7 +129,10 @@ TEST(VtkIo, OneSurfaceHasItsPointsOnly) {
   const TetMesh mesh = two_region_mesh(3);
   const auto folder = scratch_folder("vtk_one_surface");
   const auto tag = mesh.surface.front();
-  write_vtp(folder / "a.vtp", mesh, tag);
+  std::vector<std::size_t> faces;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    if (mesh.surface[f] == tag) faces.push_back(f);
+  write_vtp(folder / "a.vtp", mesh, faces, {});
   TetMesh back;
   back.nodes_mm = mesh.nodes_mm;
   read_surface(folder / "a.vtp", back);

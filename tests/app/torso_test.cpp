@@ -88,6 +88,13 @@ TEST_F(AnotherTorso, HeartAndTorsoAreOneMeshAndThePoseIsKept) {
   ASSERT_EQ(heart.parent_node.size(), heart.nodes_mm.size());
   for (std::size_t n = 0; n < heart.nodes_mm.size(); ++n)
     ASSERT_EQ(heart.nodes_mm[n], torso.nodes_mm[static_cast<std::size_t>(heart.parent_node[n])]);
+  std::size_t with_fibers = 0;
+  for (const auto& fiber : torso.cell_fibers.fiber) with_fibers += fiber != Vec3{};
+  EXPECT_EQ(with_fibers, heart.cells.size()) << "fibres where there is muscle, and nowhere else";
+  for (std::size_t c = 0; c < heart.cells.size(); ++c)
+    ASSERT_EQ(heart.cell_fibers.fiber[c], torso.cell_fibers.fiber[static_cast<std::size_t>(heart.parent_cell[c])]);
+  for (std::size_t n = 0; n < heart.nodes_mm.size(); ++n)
+    ASSERT_EQ(heart.node_fibers.sheet[n], torso.node_fibers.sheet[static_cast<std::size_t>(heart.parent_node[n])]);
   EXPECT_GT(manifest.meshes.at("torso").surfaces.at("fov_cut"), 20) << "the other's image ends in the body";
   EXPECT_GT(manifest.meshes.at("torso").regions.at("lung"), 100);
 }

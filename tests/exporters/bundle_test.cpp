@@ -14,7 +14,10 @@
 #include <set>
 
 #include "exporters/certificate_json.hpp"
+#include "exporters/cut.hpp"
 #include "exporters/files.hpp"
+#include "exporters/manifest.hpp"
+#include "generator/adapters/vtk_io.hpp"
 #include "model/error.hpp"
 #include "support/comma_locale.hpp"
 #include "support/data.hpp"
@@ -88,6 +91,43 @@ TEST(Bundle, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read_labels(folder).voxels, bundle.labels.voxels);
   EXPECT_EQ(read_recipe_text(folder), bundle.recipe);
   EXPECT_TRUE(verify_bundle(folder).empty());
+}
+
+/// Surfaces had tags from 1 once, as regions have.
+TEST(Bundle, SurfacesOfOlderBundlesGetTheTagsOfToday) {
+  const auto folder = scratch_folder("bundle_old_tags") / "out";
+  const Bundle bundle = sample_bundle();
+  write_bundle(bundle, folder);
+  TetMesh old = bundle.meshes.at("myocardium");
+  for (auto& tag : old.surface) tag -= 100;
+  for (auto& rim : old.rims) rim.tag -= 100;
+  Manifest manifest = read_manifest(folder);
+  for (auto& [name, tag] : manifest.surfaces) tag -= 100;
+  for (auto& [name, tag] : manifest.rims) tag -= 100;
+  adapters::write_vtp(folder / manifest.meshes.at("myocardium").surface_file, old);
+  write_bytes(folder / "manifest.json", manifest_text(manifest));
+  const TetMesh back = read_mesh(folder, "myocardium");
+  EXPECT_EQ(back.surface, bundle.meshes.at("myocardium").surface);
+  ASSERT_EQ(back.rims.size(), old.rims.size());
+  for (std::size_t r = 0; r < back.rims.size(); ++r)
+    EXPECT_EQ(back.rims[r].tag, bundle.meshes.at("myocardium").rims[r].tag);
+}
+
+TEST(Bundle, TheTorsoOfOlderBundlesGetsTheFibresOfItsWalls) {
+  const auto folder = scratch_folder("bundle_old_torso") / "out";
+  Bundle bundle = sample_bundle();
+  TetMesh torso = two_region_mesh(2, Region::torso);
+  bundle.meshes["myocardium"] = only_regions(torso, {tag(Region::lv_myocardium)});
+  torso.cell_fibers = torso.node_fibers = {};
+  torso.fiber_source.clear();
+  bundle.meshes["torso"] = torso;
+  write_bundle(bundle, folder);
+  const TetMesh walls = read_mesh(folder, "myocardium"), back = read_mesh(folder, "torso");
+  ASSERT_EQ(back.cell_fibers.fiber.size(), back.cells.size());
+  for (std::size_t c = 0; c < walls.cells.size(); ++c)
+    ASSERT_EQ(back.cell_fibers.fiber[static_cast<std::size_t>(walls.parent_cell[c])], walls.cell_fibers.fiber[c]);
+  for (std::size_t c = 0; c < back.cells.size(); ++c)
+    ASSERT_EQ(back.cell_fibers.fiber[c] != Vec3{}, back.region[c] == tag(Region::lv_myocardium));
 }
 
 TEST(Bundle, HasTheLayoutOfTheSpecification) {

@@ -1,8 +1,6 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -10,8 +8,10 @@
 
 #include "exporters/adjacency.hpp"
 #include "exporters/bundle.hpp"
+#include "exporters/cut.hpp"
 #include "exporters/registry.hpp"
 #include "model/error.hpp"
+#include "support/client_script.hpp"
 #include "support/comma_locale.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
@@ -29,7 +29,7 @@ using testing::two_region_mesh;
 TEST(Export, UnknownFormatAndUnitNameTheKnownOnes) {
   const auto folder = scratch_folder("export_unknown");
   const TetMesh mesh = two_region_mesh(1);
-  EXPECT_NE(error_of([&] { export_mesh("stl", mesh, "m", folder); }).find("xdmf"), std::string::npos);
+  EXPECT_NE(error_of([&] { export_mesh("dwg", mesh, "m", folder); }).find("xdmf"), std::string::npos);
   EXPECT_NE(error_of([&] { export_mesh("vtk", mesh, "m", folder, "inch"); }).find("mm, um, cm, m"), std::string::npos);
 }
 
@@ -71,6 +71,12 @@ TEST(Export, FilesThatCannotBeWrittenAreAnError) {
   }
 }
 
+/// As openCARP keeps numbers, and as their shortest text reads.
+Vec3 in_floats(const Vec3& v) {
+  const auto one = [](double x) { return std::stod(fmt::format("{}", static_cast<float>(x))); };
+  return {one(v.x), one(v.y), one(v.z)};
+}
+
 TEST(Export, UnitsScaleTheNodesOnly) {
   const auto folder = scratch_folder("export_units");
   const TetMesh mesh = two_region_mesh(1);
@@ -80,18 +86,18 @@ TEST(Export, UnitsScaleTheNodesOnly) {
   Vec3 first;
   points >> count >> first.x >> first.y >> first.z;
   EXPECT_EQ(count, mesh.nodes_mm.size());
-  EXPECT_EQ(first, 1000.0 * mesh.nodes_mm[0]);
+  EXPECT_EQ(first, in_floats(1000.0 * mesh.nodes_mm[0]));
   std::ifstream axes(folder / "m.lon");
   Vec3 fiber;
   int families = 0;
   axes >> families >> fiber.x >> fiber.y >> fiber.z;
   EXPECT_EQ(families, 2);
-  EXPECT_EQ(fiber, mesh.cell_fibers.fiber[0]);
+  EXPECT_EQ(fiber, in_floats(mesh.cell_fibers.fiber[0]));
 }
 
-TEST(Export, MfemMaterialComesFirst) {
-  const auto folder = scratch_folder("export_mfem");
-  export_mesh("mfem", two_region_mesh(1), "m", folder);
+TEST(Export, CardioidsMaterialComesFirst) {
+  const auto folder = scratch_folder("export_cardioid");
+  export_mesh("cardioid", two_region_mesh(1), "m", folder);
   const std::string text = bytes_of(folder / "m.vtk");
   EXPECT_LT(text.find("SCALARS material int"), text.find("VECTORS"));
   EXPECT_EQ(text.find("POINT_DATA"), std::string::npos);
@@ -115,13 +121,18 @@ TEST(Adjacency, FacesKnowTheirCells) {
   EXPECT_EQ(inner, 2U * 3 * 3);
 }
 
-TEST(Clients, OtherReadersAgreeWithTheBundle) {
-  const auto folder = scratch_folder("clients");
+/// A bundle of a wall with its blood and of a mesh without fibres, exported in every format.
+fs::path exported_bundle(const char* scratch) {
+  const auto folder = scratch_folder(scratch);
   Bundle bundle;
   bundle.name = "clients";
   bundle.version = "1.0.0";
   bundle.license = "CC0-1.0";
-  bundle.meshes["myocardium"] = two_region_mesh(3);
+  auto& with_blood = bundle.meshes["torso"] = two_region_mesh(3);
+  for (std::size_t c = 0; c < with_blood.cells.size(); ++c)
+    if (with_blood.region[c] != tag(Region::lv_myocardium))
+      with_blood.cell_fibers.fiber[c] = with_blood.cell_fibers.sheet[c] = with_blood.cell_fibers.sheet_normal[c] = {};
+  bundle.meshes["myocardium"] = only_regions(with_blood, {tag(Region::lv_myocardium)});
   TetMesh bare = two_region_mesh(2, Region::trachea);
   bare.node_fibers = bare.cell_fibers = {};
   bare.fiber_source.clear();
@@ -130,18 +141,17 @@ TEST(Clients, OtherReadersAgreeWithTheBundle) {
   for (const auto& [name, mesh] : bundle.meshes)
     for (const auto& format : export_formats())
       export_mesh(format.name, read_mesh(folder / "bundle", name), name, folder / "exports" / format.name);
-  const auto script = fs::path(HEART_TESTS_FOLDER) / "clients/check_exports.py";
-  const std::string command = "/usr/bin/python3 '" + script.lexically_normal().string() + "' '" +
-                              (folder / "bundle").string() + "' '" + (folder / "exports").string() + "' 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  ASSERT_NE(pipe, nullptr);
-  std::string output;
-  std::array<char, 4096> block;
-  while (const auto bytes = std::fread(block.data(), 1, block.size(), pipe)) output.append(block.data(), bytes);
-  const int status = pclose(pipe);
-  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  if (code == 77 || code == 127) GTEST_SKIP() << output;
-  EXPECT_EQ(code, 0) << output;
+  return folder;
+}
+
+TEST(Clients, OtherReadersAgreeWithTheBundle) {
+  const auto folder = exported_bundle("clients");
+  testing::expect_script_succeeds("check_exports.py", {folder / "bundle", folder / "exports"});
+}
+
+TEST(Clients, SolversThatAreNotPackagedWouldReadThemAndRefuseSpoiledOnes) {
+  const auto folder = exported_bundle("rules");
+  testing::expect_script_succeeds("reader_rules.py", {folder / "exports"});
 }
 
 }  // namespace

@@ -121,6 +121,7 @@ TEST(SliceMesh, FourTissuesWithTheirNamesAreasAndCurves) {
   for (const auto* name : {"endocardium", "epicardium", "vessel_wall", "lung_surface", "skin"})
     EXPECT_GT(curves[name], 10) << name;
   EXPECT_EQ(curves.count("fov_cut"), 0U);
+  for (const auto& [tag, name] : made.mesh.curve_names) EXPECT_FALSE(made.mesh.region_names.contains(tag)) << name;
   EXPECT_LE(made.report.distance_p99, 0.2);
 }
 

@@ -23,6 +23,19 @@ TEST(Labels, NamesAndTagsAreOneToOne) {
   EXPECT_FALSE(region_from_name("left_ventricle"));
 }
 
+/// gmshToFoam and others keep one table of numbers and names for all dimensions.
+TEST(Labels, NoSurfaceHasTheTagOfARegion) {
+  for (const auto& row : region_table()) EXPECT_TRUE(row.tag >= 1 && row.tag <= 99) << row.name;
+  std::set<std::int32_t> tags;
+  for (const auto& row : surface_table()) {
+    EXPECT_TRUE(row.tag >= 101 && row.tag <= 199) << row.name;
+    EXPECT_TRUE(tags.insert(row.tag).second) << row.name;
+  }
+  for (int number = 1; number < 100; ++number)
+    for (const Region vessel : {Region::trachea, Region::carotid})
+      EXPECT_TRUE(tags.insert(end_surface_tag(vessel, number)).second) << number;
+}
+
 TEST(Labels, EndsAreNumbered) {
   EXPECT_EQ(surface_name(end_surface_tag(Region::trachea, 3)), "trachea_end_3");
   EXPECT_EQ(surface_from_name("carotid_end_12"), end_surface_tag(Region::carotid, 12));

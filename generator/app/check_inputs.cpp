@@ -96,7 +96,7 @@ void check_files_exist(const Recipe& recipe) {
         throw UserError("does not exist", path, fmt::format("check {}.{}", section, key));
     };
   };
-  InputSettings::describe(require("input"), recipe.input);
+  InputSettings::describe_files(require("input"), recipe.input);
   ReplaceSettings::describe(require("replace"), recipe.replace);
 }
 

@@ -152,7 +152,7 @@ Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& 
 
 std::vector<exporters::BundleInput> hash_inputs(const Recipe& recipe) {
   std::vector<exporters::BundleInput> inputs;
-  InputSettings::describe(
+  InputSettings::describe_files(
       [&](const char* key, const std::string& path, const char*) {
         if (!path.empty()) inputs.push_back(hash_input(key, path));
       },

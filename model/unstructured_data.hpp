@@ -1,20 +1,15 @@
 // A tetrahedral mesh as another program wrote it: cells, triangles, arrays of any name. Plain data.
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "model/tet_mesh.hpp"
 
 namespace heart {
-
-/// What a file calls its groups of tetrahedra (dimension 3) and triangles (2), by dimension and label.
-using GroupNames = std::map<std::pair<int, std::int32_t>, std::string>;
 
 /// Arrays have one value per point, per tetrahedron or per triangle. In most files the array that says the region of a
 /// tetrahedron says the surface of a triangle: both have it under the same name.

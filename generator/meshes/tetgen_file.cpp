@@ -55,8 +55,7 @@ std::vector<std::int64_t> read_nodes(const TetgenFile& file, UnstructuredData& m
     auto line = in.filled_line();
     numbers.push_back(line.next<std::int64_t>());
     mesh.points.push_back(line.point());
-    for (std::size_t a = 1; a <= attribute_count; ++a)
-      mesh.point_scalars[attribute(a)].push_back(line.next<double>());
+    for (std::size_t a = 1; a <= attribute_count; ++a) mesh.point_scalars[attribute(a)].push_back(line.next<double>());
     if (markers > 0) mesh.point_scalars["boundary_marker"].push_back(line.next<double>());
   }
   refuse_rest(in);

@@ -1,0 +1,106 @@
+#include "generator/atlas/point_axes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "generator/atlas/axis_tensor.hpp"
+#include "generator/parallel/threads.hpp"
+#include "model/sort_unique.hpp"
+
+namespace heart::atlas {
+namespace {
+
+/// The cells of every point, one list after the other.
+struct Stars {
+  std::vector<std::int32_t> first, pool;
+
+  Stars(std::size_t points, const std::vector<Cell>& cells) : first(points + 1, 0), pool(4 * cells.size()) {
+    for (const auto& cell : cells)
+      for (const auto p : cell) ++first[static_cast<std::size_t>(p) + 1];
+    for (std::size_t p = 0; p < points; ++p) first[p + 1] += first[p];
+    auto next = first;
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (const auto p : cells[c])
+        pool[static_cast<std::size_t>(next[static_cast<std::size_t>(p)]++)] = static_cast<std::int32_t>(c);
+  }
+  void add(std::int32_t point, std::vector<std::int32_t>& cells) const {
+    const auto p = static_cast<std::size_t>(point);
+    cells.insert(cells.end(), pool.begin() + first[p], pool.begin() + first[p + 1]);
+  }
+};
+
+/// A value and three slopes: weighted sums for the fit of six components at once.
+struct LinearFit {
+  std::array<std::array<double, 4>, 4> matrix{};
+  std::array<AxisTensor, 4> right{};
+
+  void add(const Vec3& offset, double weight, const AxisTensor& value) {
+    const std::array<double, 4> row{1, offset.x, offset.y, offset.z};
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) matrix[i][j] += weight * row[i] * row[j];
+      right[i] += (weight * row[i]) * value;
+    }
+  }
+  /// The value at offset 0. Slopes in directions in which there are hardly any cells are kept flat.
+  AxisTensor value() {
+    constexpr double flatness = 1e-3;  // of the mean square of the offsets
+    const double spread = matrix[1][1] + matrix[2][2] + matrix[3][3];
+    for (std::size_t i = 1; i < 4; ++i) matrix[i][i] += flatness * spread;
+    for (std::size_t i = 3; i > 0; --i)  // from below, so that the value is left
+      for (std::size_t row = 0; row < i; ++row) {
+        const double factor = matrix[row][i] / matrix[i][i];
+        for (std::size_t j = 0; j < 4; ++j) matrix[row][j] -= factor * matrix[i][j];
+        right[row] += -factor * right[i];
+      }
+    return (1 / matrix[0][0]) * right[0];
+  }
+};
+
+}  // namespace
+
+std::vector<Vec3> point_axes(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                             const std::vector<Vec3>& cell_axes) {
+  const Stars stars(points.size(), cells);
+  std::vector<Vec3> middles(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (const auto p : cells[c]) middles[c] += 0.25 * points[static_cast<std::size_t>(p)];
+  const auto axis_at = [&](std::size_t p) -> Vec3 {
+    std::vector<std::int32_t> own, near;
+    stars.add(static_cast<std::int32_t>(p), own);
+    for (const auto c : own)
+      for (const auto other : cells[static_cast<std::size_t>(c)]) stars.add(other, near);
+    sort_unique(near);
+    double reach2 = 0;
+    for (const auto c : own) {
+      const Vec3 offset = middles[static_cast<std::size_t>(c)] - points[p];
+      reach2 = std::max(reach2, dot(offset, offset));
+    }
+    LinearFit fit;
+    for (const auto c : near) {
+      const auto cell = static_cast<std::size_t>(c);
+      const Vec3 offset = middles[cell] - points[p];
+      const Vec3 axis = normalized(cell_axes[cell]);
+      if (axis != Vec3{}) fit.add(offset, std::exp(-dot(offset, offset) / (2 * reach2)), axis_tensor(axis));
+    }
+    return fit.matrix[0][0] > 0 ? leading_axis(fit.value()) : Vec3{};
+  };
+  std::vector<Vec3> axes(points.size());
+  parallel::parallel_for(0, static_cast<std::int64_t>(points.size()), [&](std::int64_t begin, std::int64_t end) {
+    for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) axes[p] = axis_at(p);
+  });
+  return axes;
+}
+
+std::vector<Vec3> mean_point_axes(std::size_t points, const std::vector<Cell>& cells,
+                                  const std::vector<Vec3>& cell_axes) {
+  std::vector<AxisTensor> sum(points);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (const auto p : cells[c]) sum[static_cast<std::size_t>(p)] += axis_tensor(normalized(cell_axes[c]));
+  std::vector<Vec3> axes(points);
+  for (std::size_t p = 0; p < points; ++p)
+    if (trace(sum[p]) > 0) axes[p] = leading_axis(sum[p]);
+  return axes;
+}
+
+}  // namespace heart::atlas

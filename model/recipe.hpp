@@ -14,7 +14,7 @@ namespace heart {
 
 struct InputSettings {
   std::string ct;           // CT volume: .nii[.gz], .nrrd, .mhd, .mha, or a folder with one DICOM series
-  std::string atlas;        // fibre atlas (.vtk, .vtu, .exnode or .exelem, images); empty: the built-in stand-in
+  std::string atlas;        // fibre atlas (.vtk, .vtu, .msh, .exnode, images); empty: the built-in stand-in
   std::string labels;       // labels from elsewhere: an image, or a folder with one mask per structure, see [labels]
   std::string label_names;  // names of their values (.csv or .json); empty: those in the file, or the preset's
   std::string landmarks;    // JSON file with seeds and valve planes; the [landmarks] section overrides it
@@ -26,7 +26,7 @@ struct InputSettings {
   static void describe_files(V&& v, auto& s) {
     v("ct", s.ct, "CT volume: NIfTI, NRRD, MetaImage, or a folder with one DICOM series");
     v("atlas", s.atlas,
-      "fibre atlas (.vtk, .vtu, .exnode, an image of vectors or tensors, a folder of images); empty: the stand-in");
+      "fibre atlas (.vtk, .vtu, .msh, .exnode, an image of vectors or tensors, a folder of images); empty: stand-in");
     v("labels", s.labels, "labels from elsewhere: an image, or a folder with one mask per structure; see [labels]");
     v("label_names", s.label_names,
       "names of the labels' values (.csv or .json); empty: the file's own or the preset's");
@@ -39,7 +39,7 @@ struct InputSettings {
   static void describe(V&& v, auto& s) {
     describe_files(v, s);
     v("atlas_array", s.atlas_array,
-      "the array with the fibres in an atlas of .vtk or .vtu; empty: the one with a known name");
+      "the array with the fibres in an atlas of .vtk, .vtu or .msh; empty: the one with a known name");
   }
 };
 

@@ -32,7 +32,7 @@ void add_build(Program& p) {
   sub->add_option("--preset", p.build.preset, "what their values and names mean: " + preset_names());
   sub->add_option(
       "--atlas", p.build.atlas,
-      "fibre atlas (.vtk, .vtu, .exnode, an image of vectors or tensors, a folder of images), instead of the "
+      "fibre atlas (.vtk, .vtu, .msh, .exnode, an image of vectors or tensors, a folder of images), instead of the "
       "recipe's");
   sub->add_option("--atlas-array", p.build.atlas_array,
                   "its array with the fibres (default: the one with a known name: fib..., f0, e1 ...)");

@@ -12,6 +12,7 @@
 #include "exporters/bundle.hpp"
 #include "generator/fibers/transfer.hpp"
 #include "generator/meshes/any_mesh.hpp"
+#include "model/bounding_box.hpp"
 #include "model/error.hpp"
 
 namespace heart::app {
@@ -87,6 +88,7 @@ void store(UnstructuredData& mesh, fibers::TransferredFibers& result) {
   put(mesh.point_vectors, result.node);
   put(mesh.cell_vectors, result.cell);
   mesh.point_scalars.erase("fiber_source");  // of other fibres
+  mesh.integers.insert("fiber_source");
   if (!result.source.empty()) mesh.point_scalars["fiber_source"] = {result.source.begin(), result.source.end()};
 }
 

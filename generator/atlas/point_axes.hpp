@@ -6,7 +6,7 @@
 
 namespace heart::atlas {
 
-/// Unit axis per point from one per cell (any length, zero where there is none). Around each point the dyads of the
+/// Unit axis per point from one per cell (any length, zero where there is none). Around each point the angles of the
 /// cells two steps away are fitted by a function that is linear in place, weighted by distance: the middles of the
 /// cells at a wall all lie on one side of it, and their mean is the axis half a cell deep. Zero where no cell near has
 /// an axis. Threads; the same bits for any number of them.

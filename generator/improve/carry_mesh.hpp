@@ -7,12 +7,13 @@
 
 namespace heart::improve {
 
-/// Ids of nodes and cells say nothing about others: those that count through the mesh are made anew, others, and those
-/// whose name says "original", are taken out. Adds a remark on each kind. `labels` is no such array.
-/// To be called before carried_mesh; `anew` holds the names for it.
+/// Names of arrays that number nodes and cells, and are made anew.
 struct Ids {
-  std::set<std::string> point, cell;  ///< names of those to be made anew
+  std::set<std::string> point, cell;
 };
+
+/// Ids of nodes and cells say nothing about others: those that count through the mesh are to be made anew; others, and
+/// those whose name says "original", are taken out. Adds a remark on each kind. `labels` is no such array.
 Ids take_out_ids(UnstructuredData& mesh, const std::string& labels);
 
 /// Points, tetrahedra and their arrays of the improved mesh, and the triangles that are still there: all on surfaces

@@ -46,11 +46,10 @@ std::int32_t whole_entity(const MshContent& content, int dimension, std::int32_t
   return is_part ? found->second.parent_tag : tag;
 }
 
-/// A surface between two partitions of a volume: no surface of the mesh.
+/// A surface between two partitions of a volume: no surface of the mesh, though it is given the volume's groups.
 bool lies_between_partitions(const MshContent& content, int dimension, std::int32_t tag) {
   const auto found = content.entities.find({dimension, tag});
-  return found != content.entities.end() && found->second.parent_dimension > dimension &&
-         groups_of(content, dimension, tag).empty();
+  return found != content.entities.end() && found->second.parent_dimension > dimension;
 }
 
 /// Labels of the elements of one dimension: their groups; a free number where an entity has none.
@@ -58,7 +57,7 @@ struct Labels {
   const MshContent* content;
   int dimension;
   std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> signed_label{};  ///< by (entity, group of the element)
-  std::set<std::int32_t> used{};
+  std::set<std::int32_t> used{}, in_several{};
   std::vector<std::string> remarks{};
 
   template <std::size_t N>
@@ -74,8 +73,9 @@ struct Labels {
   std::int32_t group_of_entity(std::int32_t entity) {
     const auto groups = groups_of(*content, dimension, entity);
     if (groups.empty()) return 0;
-    if (groups.size() > 1)
-      remarks.push_back(fmt::format("{} {} is in the groups {}: its {} is {}", name_of(dimension), entity,
+    const auto whole = whole_entity(*content, dimension, entity);
+    if (groups.size() > 1 && in_several.insert(whole).second)
+      remarks.push_back(fmt::format("{} {} is in the groups {}: its {} is {}", name_of(dimension), whole,
                                     fmt::join(groups, ", "), label_of(dimension), std::abs(groups[0])));
     return groups[0];
   }

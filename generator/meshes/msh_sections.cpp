@@ -1,5 +1,6 @@
 // The sections of a .msh file, one after the other. Text and binary files of both versions have the same ones.
 #include <iterator>
+#include <set>
 
 #include "generator/meshes/msh_content.hpp"
 #include "generator/meshes/value_stream.hpp"
@@ -50,10 +51,23 @@ constexpr std::array<ElementType, 32> element_types{{{0, 0, ""},
                                                      {35, 3, "tetrahedra of order 4"},
                                                      {56, 3, "tetrahedra of order 5"}}};
 
+/// gmsh writes the same mesh again before a view that it appends. False: it is another mesh.
+bool append(MshContent& all, MshContent&& next) {
+  auto views = std::move(all.views);
+  views.insert(views.end(), std::make_move_iterator(next.views.begin()), std::make_move_iterator(next.views.end()));
+  const bool is_same = all.node_id == next.node_id && all.nodes == next.nodes && all.tets.nodes == next.tets.nodes &&
+                       all.triangles.nodes == next.triangles.nodes;
+  if (!all.nodes.empty() && !next.nodes.empty() && !is_same) return false;
+  if (all.nodes.empty()) all = std::move(next);
+  all.views = std::move(views);
+  return true;
+}
+
 struct Parser {
   Values in;
   MshContent content{};
   bool is_version_4 = false;
+  std::set<std::string> found{};  ///< sections
 
   bool is_text() const { return in.kind == Kind::text; }
 
@@ -76,7 +90,7 @@ struct Parser {
     if (end == std::string_view::npos) in.fail(fmt::format("its section ${} does not end", name));
     in.rest.remove_prefix(end);
     end_section(name);
-    if (name != "Comments") ++content.other_sections[name];
+    if (name != "Comments" && name != "InterpolationScheme") ++content.other_sections[name];
   }
 
   void read_format() {
@@ -281,18 +295,30 @@ struct Parser {
       return false;
     return true;
   }
-  void read_all() {
-    while (next_section() != "MeshFormat")
-      if (in.rest.empty()) in.fail("has no section $MeshFormat");
-    read_format();
-    std::set<std::string> found;
+  /// Up to the next $MeshFormat or the end; false at the end.
+  bool read_sections() {
     for (auto name = next_section(); !name.empty(); name = next_section()) {
+      if (name == "MeshFormat") return true;
       found.insert(name);
       if (read_section(name))
         end_section(name);
       else
         skip_section(name);
     }
+    return false;
+  }
+  void read_all() {
+    while (next_section() != "MeshFormat")
+      if (in.rest.empty()) in.fail("has no section $MeshFormat");
+    MshContent all;
+    for (bool goes_on = true; goes_on;) {
+      in.kind = Kind::text;
+      read_format();
+      goes_on = read_sections();
+      if (!append(all, std::move(content))) in.fail("holds two different meshes");
+      content = {};
+    }
+    content = std::move(all);
     for (const char* name : {"Nodes", "Elements"})
       if (!found.contains(name)) in.fail(fmt::format("has no section ${}", name));
   }

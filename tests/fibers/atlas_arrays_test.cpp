@@ -114,9 +114,9 @@ TEST(PointAxes, OfCellsAreExtrapolatedToTheWalls) {
   const auto fitted = atlas::point_axes(wall.points, wall.cells, wall.cell_axes);
   for (const double x : {0.0, 4.0}) {
     EXPECT_GT(wall.error_deg(means, x), 10) << "means lie half a cell deep";
-    EXPECT_LT(wall.error_deg(fitted, x), 2.5);
+    EXPECT_LT(wall.error_deg(fitted, x), 0.5);
   }
-  EXPECT_LT(wall.error_deg(fitted, 2), 1.5);
+  EXPECT_LT(wall.error_deg(fitted, 2), 0.1);
   for (const auto& axis : fitted) EXPECT_NEAR(norm(axis), 1, 1e-12);
 }
 

@@ -74,7 +74,7 @@ TEST(MshGroups, OfSeveralGroupsTheFirstIsTakenAloud) {
 TEST(MshGroups, PartsOfPartitionsHaveTheGroupsOfTheWhole) {
   // Volume 1 (group 11) is cut into 7 and 8; 9 is the surface between them, 10 the part of surface 6 (group 21).
   const std::string parts =
-      "$PartitionedEntities\n2\n1\n30 1\n0 0 2 2\n9 3 1 2 1 2 0 0 0 1 1 1 0 0\n10 2 6 1 1 0 0 0 1 1 1 0 0\n"
+      "$PartitionedEntities\n2\n1\n30 1\n0 0 2 2\n9 3 1 2 1 2 0 0 0 1 1 1 1 11 0\n10 2 6 1 1 0 0 0 1 1 1 0 0\n"
       "7 3 1 1 1 0 0 0 1 1 1 1 11 1 9\n8 3 1 1 2 0 0 0 1 1 1 2 40 11 1 9\n$EndPartitionedEntities\n";
   const std::string elements =
       "$Elements\n4 4 1 4\n3 7 4 1\n1 1 2 3 4\n3 8 4 1\n2 2 3 4 5\n2 9 2 1\n3 2 3 4\n2 10 2 1\n4 1 2 3\n$EndElements\n";
@@ -134,6 +134,20 @@ TEST(MshViews, BecomeArraysAndComeBack) {
   EXPECT_EQ(again.face_vectors, mesh.face_vectors);
   EXPECT_EQ(again.point_scalars, mesh.point_scalars);
   EXPECT_EQ(again.face_scalars, mesh.face_scalars);
+}
+
+TEST(MshViews, TheMeshMayStandThereAgainBeforeThem) {
+  const std::string mesh_text = format_2 + nodes_2 + "$Elements\n1\n4 4 2 7 1 1 2 3 4\n$EndElements\n";
+  const std::string view = "$ElementData\n1\n\"a\"\n1\n0\n3\n0\n1\n1\n4 2.5\n$EndElementData\n";
+  for (const auto& text : {mesh_text + mesh_text + view, mesh_text + format_2 + view}) {
+    const auto mesh = read(text);
+    EXPECT_EQ(mesh.points.size(), 5U);
+    EXPECT_EQ(mesh.cell_scalars.at("a"), Labels{2.5});
+    EXPECT_TRUE(mesh.remarks.empty());
+  }
+  auto other = mesh_text;
+  other.replace(other.find("1 1 1.5"), 7, "1 1 1.6");
+  EXPECT_NE(testing::error_of([&] { read(mesh_text + other); }).find("two different meshes"), std::string::npos);
 }
 
 TEST(MshElements, OtherVolumesAreRefusedAndLinesCounted) {

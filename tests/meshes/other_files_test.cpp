@@ -130,7 +130,8 @@ TEST(Tetgen, NodesElementsAndFacesAreRead) {
     std::string nodes = "# made by hand\n5 3 1 1\n";
     for (int n = 0; n < 5; ++n) {
       const auto& p = corners[static_cast<std::size_t>(n)];
-      nodes += id(n) + " " + number_text(p.x) + " " + number_text(p.y) + " " + number_text(p.z) + (n == 0 ? " 0.5 1  # a node\n" : " 0.5 1\n");
+      nodes += id(n) + " " + number_text(p.x) + " " + number_text(p.y) + " " + number_text(p.z) +
+               (n == 0 ? " 0.5 1  # a node\n" : " 0.5 1\n");
     }
     write_text(base.string() + ".node", nodes);
     write_text(base.string() + ".ele", "2 4 1\n" + id(0) + " " + id(0) + " " + id(1) + " " + id(2) + " " + id(3) +

@@ -20,6 +20,8 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "generator/adapters/vtk_guard.hpp"
@@ -189,16 +191,18 @@ void set_cells(vtkUnstructuredGrid* grid, const UnstructuredData& data) {
   grid->SetCells(types, cells);
 }
 
+bool are_int32(const std::vector<double>& values) {
+  constexpr double most = std::numeric_limits<std::int32_t>::max();
+  return std::all_of(values.begin(), values.end(), [](double v) { return v == std::round(v) && std::abs(v) <= most; });
+}
+
 /// An array of its own, so that the values may go.
 template <class T>
 void add_copy(vtkFieldData* target, const UnstructuredData& data, const std::string& name,
               const std::vector<T>& values) {
-  constexpr bool is_scalar = std::is_same_v<T, double>;
-  vtkSmartPointer<vtkDataArray> array;
-  if (is_scalar && data.integers.contains(name))
-    array = vtkSmartPointer<vtkIntArray>::New();
-  else
-    array = vtkSmartPointer<vtkDoubleArray>::New();
+  vtkSmartPointer<vtkDataArray> array = vtkSmartPointer<vtkDoubleArray>::New();
+  if constexpr (std::is_same_v<T, double>)
+    if (data.integers.contains(name) && are_int32(values)) array = vtkSmartPointer<vtkIntArray>::New();
   array->SetName(name.c_str());
   array->DeepCopy(borrow(name.c_str(), values));  // keeps the type of its own
   target->AddArray(array);

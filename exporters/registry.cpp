@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "exporters/decks.hpp"
@@ -62,6 +63,11 @@ Files written(const ExportFormat& format, const ExportTask& task) {
   return files;
 }
 
+std::optional<std::string> own_name(const TetMesh& mesh, int dimension, std::int32_t tag) {
+  const auto found = mesh.names.find({dimension, tag});
+  return found == mesh.names.end() ? std::nullopt : std::optional(found->second);
+}
+
 }  // namespace
 
 std::span<const ExportFormat> export_formats() { return formats; }
@@ -101,14 +107,14 @@ Files export_mesh(std::string_view format, const TetMesh& mesh, const std::strin
 std::map<std::int32_t, std::string> regions_of(const TetMesh& mesh) {
   std::map<std::int32_t, std::string> names;
   for (const auto tag : mesh.region) names.try_emplace(tag);
-  for (auto& [tag, name] : names) name = region_name(tag);
+  for (auto& [tag, name] : names) name = own_name(mesh, 3, tag).value_or(region_name(tag));
   return names;
 }
 
 std::map<std::int32_t, std::string> surfaces_of(const TetMesh& mesh) {
   std::map<std::int32_t, std::string> names;
   for (const auto tag : mesh.surface) names.try_emplace(tag);
-  for (auto& [tag, name] : names) name = surface_name(tag);
+  for (auto& [tag, name] : names) name = own_name(mesh, 2, tag).value_or(surface_name(tag));
   return names;
 }
 

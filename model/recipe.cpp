@@ -339,7 +339,8 @@ Recipe read_recipe(const std::string& path) {
   top.take("synthetic_image", recipe.synthetic_image);
   read_section(top, "input", recipe.input);
   const fs::path folder = fs::path(path).parent_path();
-  InputSettings::describe([&](const char*, std::string& file, const char*) { resolve(file, folder); }, recipe.input);
+  InputSettings::describe_files([&](const char*, std::string& file, const char*) { resolve(file, folder); },
+                                recipe.input);
   read_label_section(top, recipe.labels);
   read_section(top, "replace", recipe.replace);
   ReplaceSettings::describe([&](const char*, std::string& file, const char*) { resolve(file, folder); },
@@ -371,7 +372,8 @@ std::string write_recipe(const Recipe& recipe, bool file_names_only) {
     text += fmt::format("{} = {}\n", key, toml_text(value));
   text += fmt::format("synthetic_image = {}\n", recipe.synthetic_image);
   // The landmarks follow in full; a copied file name would be read again on top of them.
-  InputSettings input = file_names_only ? without_folders(recipe.input) : recipe.input;
+  InputSettings input = recipe.input;
+  if (file_names_only) InputSettings::describe_files(drop_folder, input);
   input.landmarks.clear();
   text += settings_text("[input]", input) + labels_text(recipe.labels);
   text += settings_text("[replace]", file_names_only ? without_folders(recipe.replace) : recipe.replace);

@@ -14,18 +14,19 @@ namespace heart {
 
 struct InputSettings {
   std::string ct;           // CT volume: .nii[.gz], .nrrd, .mhd, .mha, or a folder with one DICOM series
-  std::string atlas;        // fibre atlas (.vtk, .vtu, .exnode or .exelem, images); empty: the built-in stand-in
+  std::string atlas;        // fibre atlas (.vtk, .vtu, .msh, .exnode, images); empty: the built-in stand-in
   std::string labels;       // labels from elsewhere: an image, or a folder with one mask per structure, see [labels]
   std::string label_names;  // names of their values (.csv or .json); empty: those in the file, or the preset's
   std::string landmarks;    // JSON file with seeds and valve planes; the [landmarks] section overrides it
   std::string carotid;      // separate angiogram for the carotid mesh; empty: none
   std::string size_field;   // image of wanted edge lengths (mm) for heart and torso, 0: those of [mesh]; empty: none
+  std::string atlas_array;  // the array with the fibres in the atlas file; empty: the one with a known name
 
   template <class V>
-  static void describe(V&& v, auto& s) {
+  static void describe_files(V&& v, auto& s) {
     v("ct", s.ct, "CT volume: NIfTI, NRRD, MetaImage, or a folder with one DICOM series");
     v("atlas", s.atlas,
-      "fibre atlas (.vtk, .vtu, .exnode, an image of vectors or tensors, a folder of images); empty: the stand-in");
+      "fibre atlas (.vtk, .vtu, .msh, .exnode, an image of vectors or tensors, a folder of images); empty: stand-in");
     v("labels", s.labels, "labels from elsewhere: an image, or a folder with one mask per structure; see [labels]");
     v("label_names", s.label_names,
       "names of the labels' values (.csv or .json); empty: the file's own or the preset's");
@@ -33,6 +34,12 @@ struct InputSettings {
     v("carotid", s.carotid, "angiogram for the carotid mesh; empty: none");
     v("size_field", s.size_field,
       "image of edge lengths (mm) for the mesh of heart and torso, 0 where those of [mesh] hold; empty: none");
+  }
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    describe_files(v, s);
+    v("atlas_array", s.atlas_array,
+      "the array with the fibres in an atlas of .vtk, .vtu or .msh; empty: the one with a known name");
   }
 };
 

@@ -2,7 +2,9 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/vec.hpp"
@@ -21,6 +23,9 @@ struct FiberField {
 };
 
 enum class FiberSource : std::uint8_t { none = 0, atlas = 1, inpainted = 2, rule = 3 };
+
+/// What a file calls its groups of cells (dimension 3) and faces (2), by dimension and tag.
+using GroupNames = std::map<std::pair<int, std::int32_t>, std::string>;
 
 /// The curve where a labelled surface ends, as a set of nodes.
 struct Rim {
@@ -47,6 +52,8 @@ struct TetMesh {
   /// For a mesh cut out of a larger one of the same bundle (myocardium out of torso): ids there. Else empty.
   std::vector<std::int32_t> parent_node;
   std::vector<std::int32_t> parent_cell;
+
+  GroupNames names;  ///< of a mesh from elsewhere; tags without one are called as in labels.hpp
 };
 
 /// Signed volume of a cell in mm^3.

@@ -20,7 +20,10 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <type_traits>
 
 #include "generator/adapters/vtk_guard.hpp"
 #include "model/new_file.hpp"
@@ -174,6 +177,75 @@ void write_patch(const std::filesystem::path& path, const TetMesh& mesh, const F
   write_xml<vtkXMLPolyDataWriter>(path, data);
 }
 
+/// Triangles, then tetrahedra.
+void set_cells(vtkUnstructuredGrid* grid, const UnstructuredData& data) {
+  if (data.faces.empty()) {
+    grid->SetCells(VTK_TETRA, cell_array(data.tets));
+    return;
+  }
+  const auto cells = cell_array(data.faces);
+  cells->Append(cell_array(data.tets), 0);
+  vtkNew<vtkUnsignedCharArray> types;
+  for (std::size_t f = 0; f < data.faces.size(); ++f) types->InsertNextValue(VTK_TRIANGLE);
+  for (std::size_t c = 0; c < data.tets.size(); ++c) types->InsertNextValue(VTK_TETRA);
+  grid->SetCells(types, cells);
+}
+
+bool are_int32(const std::vector<double>& values) {
+  constexpr double most = std::numeric_limits<std::int32_t>::max();
+  return std::all_of(values.begin(), values.end(), [](double v) { return v == std::round(v) && std::abs(v) <= most; });
+}
+
+/// An array of its own, so that the values may go.
+template <class T>
+void add_copy(vtkFieldData* target, const UnstructuredData& data, const std::string& name,
+              const std::vector<T>& values) {
+  vtkSmartPointer<vtkDataArray> array = vtkSmartPointer<vtkDoubleArray>::New();
+  if constexpr (std::is_same_v<T, double>)
+    if (data.integers.contains(name) && are_int32(values)) array = vtkSmartPointer<vtkIntArray>::New();
+  array->SetName(name.c_str());
+  array->DeepCopy(borrow(name.c_str(), values));  // keeps the type of its own
+  target->AddArray(array);
+}
+
+template <class T>
+void add_copies(vtkFieldData* target, const UnstructuredData& data,
+                const std::map<std::string, std::vector<T>>& arrays) {
+  for (const auto& [name, values] : arrays)
+    if (!values.empty()) add_copy(target, data, name, values);
+}
+
+void add_points_arrays(vtkUnstructuredGrid* grid, const UnstructuredData& data) {
+  add_copies(grid->GetPointData(), data, data.point_scalars);
+  add_copies(grid->GetPointData(), data, data.point_vectors);
+  add_copies(grid->GetPointData(), data, data.point_tensors);
+}
+
+/// Arrays of triangles and of tetrahedra with the same name, one behind the other.
+template <class T>
+std::map<std::string, std::vector<T>> joined(const std::map<std::string, std::vector<T>>& faces,
+                                             const std::map<std::string, std::vector<T>>& cells,
+                                             const UnstructuredData& data) {
+  T zero{};
+  if constexpr (std::is_same_v<T, Mat3>) zero = Mat3{{Vec3{}, Vec3{}, Vec3{}}};
+  std::map<std::string, std::vector<T>> all = faces;
+  for (const auto& [name, values] : cells) all[name].resize(data.faces.size(), zero);
+  for (auto& [name, values] : all) {
+    const auto found = cells.find(name);
+    if (found == cells.end())
+      values.resize(data.faces.size() + data.tets.size(), zero);
+    else
+      values.insert(values.end(), found->second.begin(), found->second.end());
+  }
+  return all;
+}
+
+void add_cell_arrays(vtkUnstructuredGrid* grid, const UnstructuredData& data) {
+  add_copies(grid->GetCellData(), data, joined(data.face_scalars, data.cell_scalars, data));
+  add_copies(grid->GetCellData(), data, joined(data.face_vectors, data.cell_vectors, data));
+  add_copies(grid->GetCellData(), data, joined(data.face_tensors, data.cell_tensors, data));
+}
+
 }  // namespace
 
 void write_vtu(const std::filesystem::path& path, const TetMesh& mesh) {
@@ -261,16 +333,9 @@ void write_vtp(const std::filesystem::path& path, const TriMesh& mesh) {
 void write_unstructured(const std::filesystem::path& path, const UnstructuredData& data) {
   vtkNew<vtkUnstructuredGrid> grid;
   grid->SetPoints(borrow_points(data.points));
-  grid->SetCells(VTK_TETRA, cell_array(data.tets));
-  const auto add_all = [](vtkFieldData* target, const auto& arrays) {
-    for (const auto& [name, values] : arrays) add(target, name.c_str(), values);
-  };
-  add_all(grid->GetCellData(), data.cell_scalars);
-  add_all(grid->GetCellData(), data.cell_vectors);
-  add_all(grid->GetCellData(), data.cell_tensors);
-  add_all(grid->GetPointData(), data.point_scalars);
-  add_all(grid->GetPointData(), data.point_vectors);
-  add_all(grid->GetPointData(), data.point_tensors);
+  set_cells(grid, data);
+  add_points_arrays(grid, data);
+  add_cell_arrays(grid, data);
   if (path.extension() == ".vtu") {
     write_xml<vtkXMLUnstructuredGridWriter>(path, grid);
     return;

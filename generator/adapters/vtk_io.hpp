@@ -13,13 +13,13 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "model/feature_curves.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/tri_mesh.hpp"
+#include "model/unstructured_data.hpp"
 
 namespace heart::adapters {
 
@@ -57,22 +57,16 @@ TetMesh read_vtu(const std::filesystem::path& path);
 /// The inverse of write_vtp: fills faces, surface and rims of a mesh that read_vtu returned.
 void read_surface(const std::filesystem::path& path, TetMesh& mesh);
 
-/// Tetrahedra with named arrays as another program wrote them. Other cell types are skipped together with their cell
-/// data. Arrays of 1, 3, 6 (symmetric: xx yy zz xy yz xz) and 9 components are kept, as double.
-struct UnstructuredData {
-  std::vector<Vec3> points;  ///< in the file's own unit and frame
-  std::vector<Cell> tets;    ///< node ids as in the file: the orientation may be either
-  std::map<std::string, std::vector<double>> point_scalars, cell_scalars;
-  std::map<std::string, std::vector<Vec3>> point_vectors, cell_vectors;
-  std::map<std::string, std::vector<Mat3>> point_tensors, cell_tensors;
-};
+using heart::UnstructuredData;
 
-/// Legacy .vtk (ASCII or binary) or .vtu, told apart by the content. Throws UserError, also when there is no
-/// tetrahedron or a coordinate is not finite.
+/// Legacy .vtk (ASCII or binary) or .vtu, told apart by the content. Arrays of 1, 3, 6 (symmetric: xx yy zz xy yz xz)
+/// and 9 components are kept, as double, those of cells on tetrahedra and triangles. Throws UserError, also for volumes
+/// that are no linear tetrahedra, without tetrahedra, and for a coordinate that is not finite.
 UnstructuredData read_unstructured(const std::filesystem::path& path);
 
 /// .vtu like write_vtu, or (any other extension) binary legacy .vtk of file version 4.2, which older readers know too.
-/// All arrays are float64. Throws UserError.
+/// Triangles stand before tetrahedra; where an array has no values on the ones or the others, they are 0. Arrays are
+/// float64, those of `integers` int32. Throws UserError.
 void write_unstructured(const std::filesystem::path& path, const UnstructuredData& data);
 
 /// e.g. "9.1.0"

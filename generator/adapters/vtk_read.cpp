@@ -4,6 +4,7 @@
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
+#include <vtkGenericCell.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
@@ -16,6 +17,8 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
+#include <numeric>
 
 #include "generator/adapters/vtk_counts.hpp"
 #include "generator/adapters/vtk_guard.hpp"
@@ -113,19 +116,24 @@ Mat3 tensor_of(vtkDataArray* array, vtkIdType index) {
   return {{Vec3{t[0], t[1], t[2]}, Vec3{t[3], t[4], t[5]}, Vec3{t[6], t[7], t[8]}}};
 }
 
-/// The arrays of the points or of the cells, restricted to `kept` of the `total` tuples.
+/// The arrays of the points, tetrahedra or triangles: of `kept` of the `total` tuples.
 struct NamedArrays {
   std::map<std::string, std::vector<double>>& scalars;
   std::map<std::string, std::vector<Vec3>>& vectors;
   std::map<std::string, std::vector<Mat3>>& tensors;
 };
 
+std::string name_of(vtkDataSetAttributes* data, int array) {
+  const char* name = data->GetArrayName(array);
+  return name ? name : fmt::format("array_{}", array);
+}
+
 void read_arrays(const std::filesystem::path& path, vtkDataSetAttributes* data, const std::vector<vtkIdType>& kept,
                  vtkIdType total, NamedArrays arrays) {
   for (int a = 0; a < data->GetNumberOfArrays(); ++a) {
     vtkDataArray* array = data->GetArray(a);
     if (!array) continue;  // strings
-    const std::string name = array->GetName() ? array->GetName() : fmt::format("array_{}", a);
+    const std::string name = name_of(data, a);
     if (array->GetNumberOfTuples() != total)
       fail_reading(path,
                    fmt::format("array '{}' has {} values instead of {}", name, array->GetNumberOfTuples(), total));
@@ -136,6 +144,50 @@ void read_arrays(const std::filesystem::path& path, vtkDataSetAttributes* data, 
       if (components == 6 || components == 9) arrays.tensors[name].push_back(tensor_of(array, i));
     }
   }
+}
+
+/// Which arrays hold whole numbers that fit int32, and which cannot be kept.
+void note_kinds(vtkDataSetAttributes* data, UnstructuredData& mesh) {
+  for (int a = 0; a < data->GetNumberOfArrays(); ++a) {
+    vtkDataArray* array = data->GetArray(a);
+    const int components = array ? array->GetNumberOfComponents() : 0;
+    if (array && components == 1) {
+      constexpr double most = std::numeric_limits<std::int32_t>::max();
+      const double* range = array->GetRange();
+      const bool is_whole = array->GetDataType() != VTK_FLOAT && array->GetDataType() != VTK_DOUBLE;
+      if (is_whole && range[0] >= -most && range[1] <= most) mesh.integers.insert(name_of(data, a));
+    } else if (components != 3 && components != 6 && components != 9) {
+      mesh.remarks.push_back(
+          array ? fmt::format("left out: the array \"{}\" of {} components", name_of(data, a), components)
+                : fmt::format("left out: the texts \"{}\"", name_of(data, a)));
+    }
+  }
+}
+
+/// Cells that are neither tetrahedra nor triangles.
+void count_other(vtkUnstructuredGrid* grid, vtkIdType cell, OtherCells& other) {
+  static const std::map<int, const char*> plurals{{VTK_VERTEX, "points"},
+                                                  {VTK_POLY_VERTEX, "groups of points"},
+                                                  {VTK_LINE, "lines"},
+                                                  {VTK_POLY_LINE, "polylines"},
+                                                  {VTK_TRIANGLE_STRIP, "strips of triangles"},
+                                                  {VTK_POLYGON, "polygons"},
+                                                  {VTK_QUAD, "quadrilaterals"},
+                                                  {VTK_VOXEL, "voxels"},
+                                                  {VTK_HEXAHEDRON, "hexahedra"},
+                                                  {VTK_WEDGE, "prisms"},
+                                                  {VTK_PYRAMID, "pyramids"},
+                                                  {VTK_QUADRATIC_EDGE, "quadratic lines"},
+                                                  {VTK_QUADRATIC_TRIANGLE, "quadratic triangles"},
+                                                  {VTK_QUADRATIC_TETRA, "quadratic tetrahedra"},
+                                                  {VTK_QUADRATIC_HEXAHEDRON, "quadratic hexahedra"},
+                                                  {VTK_LAGRANGE_TETRAHEDRON, "tetrahedra of higher order"},
+                                                  {VTK_LAGRANGE_TRIANGLE, "triangles of higher order"}};
+  const int type = grid->GetCellType(cell);
+  const auto known = plurals.find(type);
+  const std::string plural = known != plurals.end() ? known->second : fmt::format("cells of VTK's type {}", type);
+  const auto prototype = vtkSmartPointer<vtkCell>::Take(vtkGenericCell::InstantiateCell(type));
+  ++(!prototype || prototype->GetCellDimension() == 3 ? other.volumes : other.lower)[plural];
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> read_grid(const std::filesystem::path& path) {
@@ -213,18 +265,33 @@ UnstructuredData read_unstructured(const std::filesystem::path& path) {
   const auto grid = read_grid(path);
   UnstructuredData result;
   result.points = read_points(path, grid);
-  std::vector<vtkIdType> tets, nodes(result.points.size());
+  std::vector<vtkIdType> tets, triangles, nodes(result.points.size());
+  OtherCells other;
   for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c) {
-    if (grid->GetCellType(c) != VTK_TETRA) continue;
-    tets.push_back(c);
-    result.tets.push_back(read_cell<4>(path, grid->GetCells(), c, result.points.size()));
+    const int type = grid->GetCellType(c);
+    if (type == VTK_TETRA) {
+      tets.push_back(c);
+      result.tets.push_back(read_cell<4>(path, grid->GetCells(), c, result.points.size()));
+    } else if (type == VTK_TRIANGLE) {
+      triangles.push_back(c);
+      result.faces.push_back(read_cell<3>(path, grid->GetCells(), c, result.points.size()));
+    } else if (type != VTK_EMPTY_CELL) {
+      count_other(grid, c, other);
+    }
   }
-  if (tets.empty()) fail_reading(path, "there is no tetrahedron in the file");
-  for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n] = static_cast<vtkIdType>(n);
+  settle_other_cells(result, other, path);
+  std::iota(nodes.begin(), nodes.end(), vtkIdType{0});
   read_arrays(path, grid->GetPointData(), nodes, grid->GetNumberOfPoints(),
               {result.point_scalars, result.point_vectors, result.point_tensors});
   read_arrays(path, grid->GetCellData(), tets, grid->GetNumberOfCells(),
               {result.cell_scalars, result.cell_vectors, result.cell_tensors});
+  read_arrays(path, grid->GetCellData(), triangles, grid->GetNumberOfCells(),
+              {result.face_scalars, result.face_vectors, result.face_tensors});
+  note_kinds(grid->GetPointData(), result);
+  note_kinds(grid->GetCellData(), result);
+  for (int a = 0; a < grid->GetFieldData()->GetNumberOfArrays(); ++a)
+    if (const char* name = grid->GetFieldData()->GetArrayName(a))
+      result.remarks.push_back(fmt::format("left out: the field data \"{}\"", name));
   return result;
 }
 

@@ -56,7 +56,8 @@ inline auto members(fibers::AtlasFigures& f) {
 }
 inline auto members(fibers::FiberResult& f) {
   return std::tie(f.node, f.cell, f.source, f.atlas_distance_mm, f.wall_depth, f.min_jacobian, f.affine_rms_mm,
-                  f.atlas_overlap, f.second_mean_deg, f.second_p95_deg, f.rule_difference_deg, f.figures, f.warnings);
+                  f.atlas_overlap, f.second_mean_deg, f.second_p95_deg, f.rule_difference_deg, f.figures, f.atlas_array,
+                  f.warnings);
 }
 
 struct Writer {

@@ -32,8 +32,10 @@ void add_build(Program& p) {
   sub->add_option("--preset", p.build.preset, "what their values and names mean: " + preset_names());
   sub->add_option(
       "--atlas", p.build.atlas,
-      "fibre atlas (.vtk, .vtu, .exnode, an image of vectors or tensors, a folder of images), instead of the "
+      "fibre atlas (.vtk, .vtu, .msh, .exnode, an image of vectors or tensors, a folder of images), instead of the "
       "recipe's");
+  sub->add_option("--atlas-array", p.build.atlas_array,
+                  "its array with the fibres (default: the one with a known name: fib..., f0, e1 ...)");
   sub->add_option("--landmarks", p.build.landmarks, "seeds and valve planes (.json), instead of the recipe's");
   sub->add_option("-o,--output", p.build.output, "folder of the bundle")->required();
   sub->add_option("--keep-stages", p.build.keep_stages,
@@ -48,14 +50,23 @@ void add_build(Program& p) {
   sub->add_flag("--quiet", p.build.quiet, "no progress");
 }
 
+void add_own_mesh_options(CLI::App& sub, std::string& region, std::string& unit) {
+  sub.add_option("--region", region, "of a mesh: cell array with its regions (default: region, gmsh:physical ...)");
+  sub.add_option("--input-unit", unit, "of a mesh: mm, um, cm or m (default: um for openCARP's files, else mm)");
+}
+
 void add_bundle_commands(Program& p) {
-  auto* validate = subcommand(p, "validate", "Certify the meshes and fibres of a bundle (exit 3 below its bounds)",
-                              "heartgen validate bundle --reference-labels truth/labels.nii.gz",
-                              on_root(p, [&p] { return validate_command(p.validate); }));
-  validate->add_option("bundle", p.validate.bundle, "folder of the bundle")->required();
+  auto* validate = subcommand(
+      p, "validate", "Certify the meshes and fibres of a bundle, or any tetrahedral mesh (exit 3 below bounds)",
+      "heartgen validate bundle --reference-labels truth/labels.nii.gz\n"
+      "  heartgen validate mine.msh --all",
+      on_root(p, [&p] { return validate_command(p.validate); }));
+  validate->add_option("bundle", p.validate.bundle, std::string("folder of the bundle, or a mesh: ") + mesh_kinds)
+      ->required();
   validate->add_option("--reference-labels", p.validate.reference_labels, "known label map: Dice and distances");
   validate->add_option("--reference-fibers", p.validate.reference_fibers,
                        "folder with fiber_x.nrrd, fiber_y.nrrd, fiber_z.nrrd: axis errors");
+  add_own_mesh_options(*validate, p.validate.region, p.validate.input_unit);
   validate->add_flag("--all", p.validate.all_rows, "also rows without a bound");
   validate->add_flag("--json", p.validate.json, "print every row as JSON");
 
@@ -91,7 +102,7 @@ void add_bundle_commands(Program& p) {
 }
 
 void add_export(Program& p) {
-  auto* sub = subcommand(p, "export", "Write a bundle's meshes for other programs",
+  auto* sub = subcommand(p, "export", "Write a bundle's meshes, or any tetrahedral mesh, for other programs",
                          "heartgen export bundle --to vtk,msh,xdmf --output export",
                          on_root(p, [&p] { return export_command(p.exporting); }));
   std::string formats;
@@ -100,8 +111,10 @@ void add_export(Program& p) {
   sub->footer("Formats, with the unit their readers expect:" + formats +
               "\nEvery export comes with NAME_README.md: what was written and how to run it; where there are fibres, "
               "with an input that runs.\nExamples:\n  heartgen export bundle --to xdmf,opencarp --output export\n  "
-              "heartgen export bundle --to xdmf --only ventricles --output export");
-  sub->add_option("bundle", p.exporting.bundle, "folder of the bundle")->required();
+              "heartgen export bundle --to xdmf --only ventricles --output export\n"
+              "  heartgen export mine.vtu --to opencarp --output export");
+  sub->add_option("bundle", p.exporting.bundle, std::string("folder of the bundle, or a mesh: ") + mesh_kinds)
+      ->required();
   sub->add_option("--to", p.exporting.formats, "formats, separated by commas")->required()->delimiter(',');
   sub->add_option("-o,--output", p.exporting.output, "folder to write into")->required();
   sub->add_option("--mesh", p.exporting.mesh, "only this mesh");
@@ -112,6 +125,7 @@ void add_export(Program& p) {
   sub->add_flag("--no-interfaces", p.exporting.no_interfaces,
                 "leave out triangles between regions, which some readers refuse");
   sub->add_option("--unit", p.exporting.unit, "mm, um, cm or m (default: what the format's readers expect)");
+  add_own_mesh_options(*sub, p.exporting.region, p.exporting.input_unit);
   sub->add_flag("--json", p.exporting.json, "print the files written as JSON");
 }
 
@@ -120,12 +134,12 @@ void add_transfer(Program& p) {
   auto* sub = subcommand(p, "transfer", "Put a bundle's fibres on another mesh of the same heart",
                          "heartgen transfer bundle mine.vtu mine_with_fibres.vtu",
                          on_root(p, [&p] { return transfer_command(p.transfer); }));
-  sub->add_option("source", c.source,
-                  "folder of a bundle, or a mesh (.vtu, .vtk) with the vectors fiber and sheet on its points")
+  sub->add_option("source", c.source, "folder of a bundle, or a mesh with the vectors fiber and sheet on its points")
       ->required();
-  sub->add_option("input", c.input, "mesh in mm and in the bundle's frame, .vtu or .vtk; its other arrays stay")
+  sub->add_option("input", c.input,
+                  std::string("mesh in mm and in the bundle's frame; its other arrays stay: ") + mesh_kinds)
       ->required();
-  sub->add_option("output", c.output, "mesh to write, .vtu or .vtk")->required();
+  sub->add_option("output", c.output, "mesh to write: .vtu, .vtk or .msh")->required();
   sub->add_option("--reach", c.reach_mm, "how far a node may lie from the source, mm (default 5)");
   sub->add_flag("--partial", c.partial, "leave nodes and cells farther away without fibres (zero), not refuse them");
   sub->add_flag("--json", c.json, "print as JSON");

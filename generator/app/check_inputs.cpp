@@ -96,7 +96,7 @@ void check_files_exist(const Recipe& recipe) {
         throw UserError("does not exist", path, fmt::format("check {}.{}", section, key));
     };
   };
-  InputSettings::describe(require("input"), recipe.input);
+  InputSettings::describe_files(require("input"), recipe.input);
   ReplaceSettings::describe(require("replace"), recipe.replace);
 }
 
@@ -111,7 +111,7 @@ void check_carotid(const Recipe& recipe) {
 /// Files of late stages, which are small: they are read here for their errors alone.
 void check_late_files(const Recipe& recipe) {
   check_carotid(recipe);
-  if (!recipe.input.atlas.empty()) atlas::read_fiber_atlas(recipe.input.atlas);
+  if (!recipe.input.atlas.empty()) atlas::read_fiber_atlas(recipe.input.atlas, recipe.input.atlas_array);
   if (!recipe.input.size_field.empty()) adapters::read_image(recipe.input.size_field);
   if (!recipe.input.label_names.empty()) labels::read_label_names(recipe.input.label_names);
   if (!recipe.torso.landmarks.empty()) read_landmarks(recipe.torso.landmarks);

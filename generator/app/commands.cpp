@@ -18,6 +18,7 @@
 #include "generator/app/check_inputs.hpp"
 #include "generator/app/input_files.hpp"
 #include "generator/app/mesh_certificate.hpp"
+#include "generator/app/own_mesh.hpp"
 #include "generator/app/pipeline.hpp"
 #include "generator/app/print_certificate.hpp"
 #include "generator/app/resolutions.hpp"
@@ -144,6 +145,7 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   if (!command.labels.empty()) recipe.input.labels = command.labels;
   if (!command.preset.empty()) recipe.labels.preset = command.preset;
   if (!command.atlas.empty()) recipe.input.atlas = command.atlas;
+  if (!command.atlas_array.empty()) recipe.input.atlas_array = command.atlas_array;
   if (!command.landmarks.empty()) recipe.landmarks = read_landmarks(command.landmarks);
   options.output = fs::path(command.output).lexically_normal();
   if (options.output.filename().empty()) options.output = options.output.parent_path();
@@ -173,6 +175,7 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
 }
 
 int validate_command(const ValidateCommand& command) {
+  if (is_own_mesh(command.bundle)) return validate_own_mesh(command);
   std::optional<LabelVolume> known_labels;
   if (!command.reference_labels.empty()) known_labels = adapters::read_labels(command.reference_labels);
   std::optional<validation::ReferenceFibers> known_fibers;

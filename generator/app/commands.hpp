@@ -13,20 +13,24 @@
 namespace heart::app {
 
 struct BuildCommand {
-  std::string recipe, ct, labels, preset, atlas, landmarks, keep_stages, output;
+  std::string recipe, ct, labels, preset, atlas, atlas_array, landmarks, keep_stages, output;
   bool no_cache = false, force = false, json = false, quiet = false;
 };
 /// @collective
 int build_command(const BuildCommand& command, const parallel::Comm& comm);
 
 struct ValidateCommand {
-  std::string bundle, reference_labels, reference_fibers;
+  std::string bundle;  ///< its folder, or a mesh file of the user's own, of which the mesh's rows are printed
+  std::string reference_labels, reference_fibers;
+  std::string region, input_unit;  ///< of a mesh file: the array with its regions, its unit; empty: see own_mesh.hpp
   bool json = false, all_rows = false;
 };
 int validate_command(const ValidateCommand& command);
 
 struct ExportCommand {
-  std::string bundle, output, mesh, unit;
+  std::string bundle;  ///< its folder, or a mesh file of the user's own
+  std::string output, mesh, unit;
+  std::string region, input_unit;          ///< as in ValidateCommand
   std::vector<std::string> formats, only;  ///< only: regions to cut out; empty: all
   bool no_interfaces = false;
   bool json = false;

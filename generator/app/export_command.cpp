@@ -8,6 +8,7 @@
 #include "exporters/cut.hpp"
 #include "exporters/registry.hpp"
 #include "generator/app/commands.hpp"
+#include "generator/app/own_mesh.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
@@ -80,6 +81,7 @@ NamedMesh read_to_export(const ExportCommand& command, const std::string& name) 
 }  // namespace
 
 int export_command(const ExportCommand& command) {
+  if (is_own_mesh(command.bundle)) return export_own_mesh(command);
   const auto manifest = exporters::read_manifest(command.bundle);
   const auto sources = meshes_to_export(manifest, command);
   for (const auto& format : command.formats) exporters::find_format(format);  // before anything is written

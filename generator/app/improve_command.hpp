@@ -15,8 +15,8 @@ struct ImproveCommand {
   bool json = false;
 };
 
-/// Reads .vtu, .vtk or .msh, improves, writes; prints angles before and after. Arrays are carried: see carry_data.hpp.
-/// Throws UserError, before anything is written, for an array that numbers nodes or cells and is not in `drop`.
+/// Reads any mesh (any_mesh.hpp), improves, writes .vtu, .vtk or .msh; prints angles before and after, and what was
+/// left out. Arrays, triangles and ids are carried: see carry_mesh.hpp. Throws UserError, before anything is written.
 int improve_command(const ImproveCommand& command);
 
 }  // namespace heart::app

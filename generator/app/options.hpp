@@ -59,6 +59,10 @@ std::function<int()> on_root(Program& p, std::function<int()> action);
 /// What makes a phantom's heart unusual.
 void add_heart_options(Program& p, CLI::App& sub, datasets::HeartOverrides& heart);
 
+/// The files of anybody's meshes that are read.
+constexpr const char* mesh_kinds =
+    ".vtu, .vtk, .msh, openCARP's .pts or .bpts, TetGen's or Chaste's .node, Medit's .mesh";
+
 void add_bundle_options(Program& p);   ///< what makes, checks and hands on bundles
 void add_tool_options(Program& p);     ///< single steps on images, label maps and meshes
 void add_measure_options(Program& p);  ///< accuracy and speed, and the thesis's studies

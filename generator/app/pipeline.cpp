@@ -72,7 +72,7 @@ Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels, const FieldO
 }
 
 atlas::FiberAtlas read_atlas(const Recipe& recipe) {
-  if (!recipe.input.atlas.empty()) return atlas::read_fiber_atlas(recipe.input.atlas);
+  if (!recipe.input.atlas.empty()) return atlas::read_fiber_atlas(recipe.input.atlas, recipe.input.atlas_array);
   const TetMesh standin = datasets::make_standin_atlas();
   return atlas::make_fiber_atlas("stand-in atlas", standin.nodes_mm, standin.cells, standin.node_fibers.fiber);
 }
@@ -153,7 +153,7 @@ Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& 
 
 std::vector<exporters::BundleInput> hash_inputs(const Recipe& recipe) {
   std::vector<exporters::BundleInput> inputs;
-  InputSettings::describe(
+  InputSettings::describe_files(
       [&](const char* key, const std::string& path, const char*) {
         if (!path.empty()) inputs.push_back(hash_input(key, path));
       },
@@ -186,9 +186,10 @@ validation::ReportInput report_input(const Recipe& recipe, const exporters::Bund
   return input;
 }
 
-std::string describe_atlas(const Recipe& recipe) {
+std::string describe_atlas(const Recipe& recipe, const fibers::FiberResult& fibers) {
   if (recipe.input.atlas.empty()) return "heartgen's built-in stand-in atlas (synthetic)";
-  return fs::path(recipe.input.atlas).filename().string();
+  const std::string array = fibers.atlas_array.empty() ? "" : ", " + fibers.atlas_array;
+  return fs::path(recipe.input.atlas).filename().string() + array;
 }
 
 exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, Meshes meshes,
@@ -202,7 +203,7 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   bundle.author = recipe.author;
   bundle.date_published = recipe.date_published;
   bundle.recipe = write_recipe(recipe, true);
-  bundle.atlas = describe_atlas(recipe);
+  bundle.atlas = describe_atlas(recipe, fibers);
   bundle.torso_from_heart = recipe.torso.torso_from_heart;
   bundle.labels = labels;
   bundle.inputs = std::move(inputs);
@@ -368,13 +369,14 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   const FieldOfView view{has_torso ? &around->torso_grid : nullptr, has_torso ? around->torso_padding : padding};
   const auto meshes = run.root_stage("mesh", {labels_key, mesh_inputs, mesh_section(recipe)},
                                      [&] { return make_meshes(recipe, labels, view); });
-  const auto fibers = run.root_stage(
-      "fibers",
-      {meshes.key, hash_of(inputs, "atlas"), recipe_section(recipe, "landmarks"), recipe_section(recipe, "fibers")},
-      [&] {
-        return fibers::carry_fibers(meshes->at("myocardium"), *heart, landmarks_in_bundle(recipe), read_atlas(recipe),
-                                    recipe.fibers);
-      });
+  const auto fibers =
+      run.root_stage("fibers",
+                     {meshes.key, hash_of(inputs, "atlas") + recipe.input.atlas_array,
+                      recipe_section(recipe, "landmarks"), recipe_section(recipe, "fibers")},
+                     [&] {
+                       return fibers::carry_fibers(meshes->at("myocardium"), *heart, landmarks_in_bundle(recipe),
+                                                   read_atlas(recipe), recipe.fibers);
+                     });
   run.times.back().parts = fibers->part_times;
   Staged<Resolutions> further;
   if (!recipe.mesh.resolutions_mm.empty())
@@ -382,12 +384,14 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
       return make_resolutions(*heart, recipe.mesh, with_fibers(meshes->at("myocardium"), *fibers));
     });
   BuildResult result;
+  std::string fibers_from;
   run.cache_folder.clear();  // the bundle itself is on disk: no second copy
   PartClock clock;
   const auto content_id = run.root_stage("bundle", {}, [&] {
     const Report pose = has_torso ? torso_rows(*around) : Report{};
     auto bundle = make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, inputs, warnings, pose, clock);
-    bundle.logs["build.log"] = time_log(run);
+    fibers_from = fmt::format("{:<22} {}\n", "fibres from", bundle.atlas);
+    bundle.logs["build.log"] = time_log(run) + fibers_from;
     result.certificate = bundle.certificate;
     auto id = exporters::write_bundle(bundle, place, existing);
     clock.done("files and their hashes");
@@ -397,7 +401,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   parallel::run_on_root(comm, [&] { forget_other_entries(options.cache_folder, run.used_keys); });
   finish(run.progress);
   result.content_id = *content_id;
-  result.log = time_log(run);
+  result.log = time_log(run) + fibers_from;
   return result;
 }
 

@@ -113,7 +113,7 @@ void add_improve(Program& p) {
                          "heartgen improve mine.msh better.msh --goal-deg 20\n"
                          "  heartgen improve heart.vtu better.vtu --slide 0.05",
                          on_root(p, [&p] { return improve_command(p.improve); }));
-  sub->add_option("input", c.input, "mesh: .vtu, .vtk or .msh (2.2 or 4.1)")->required();
+  sub->add_option("input", c.input, std::string("mesh: ") + mesh_kinds)->required();
   sub->add_option("output", c.output, "mesh to write: .vtu, .vtk or .msh")->required();
   sub->add_option("--goal-deg", c.settings.goal_deg, "dihedral angles to reach, 1 to 40 (default 20)");
   sub->add_option("--slide", c.settings.slide_mm,

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "exporters/bundle.hpp"
-#include "generator/adapters/vtk_io.hpp"
 #include "generator/fibers/transfer.hpp"
+#include "generator/meshes/any_mesh.hpp"
+#include "model/bounding_box.hpp"
 #include "model/error.hpp"
-#include "model/text.hpp"
 
 namespace heart::app {
 namespace {
@@ -25,7 +25,7 @@ constexpr std::array source_names{"without", "atlas", "inpainted", "rule"};
 
 TetMesh read_source(const std::string& path) {
   if (fs::is_directory(path)) return exporters::read_mesh(path, "myocardium");
-  auto data = adapters::read_unstructured(path);
+  auto data = meshes::read_any_mesh(path);
   TetMesh mesh;
   mesh.nodes_mm = std::move(data.points);
   mesh.cells = std::move(data.tets);
@@ -52,10 +52,21 @@ TetMesh read_source(const std::string& path) {
 void check(const TransferCommand& command) {
   if (!(command.reach_mm > 0) || !std::isfinite(command.reach_mm))
     throw UserError("must be a positive number", "--reach", "give mm");
-  const auto extension = fs::path(command.output).extension();
-  if (extension != ".vtu" && extension != ".vtk")
-    throw UserError("is of no known kind", command.output, "use .vtu or .vtk");
-  check_output(command.output);
+  meshes::check_mesh_output(command.output);
+}
+
+std::string size_text(const std::vector<Vec3>& points) {
+  const auto [low, high] = bounding_box(points);
+  return fmt::format("{:.4g} x {:.4g} x {:.4g}", high.x - low.x, high.y - low.y, high.z - low.z);
+}
+
+void refuse_wrong_unit(const TetMesh& source, const std::vector<Vec3>& points, const TransferCommand& command) {
+  const auto factor = fibers::scale_onto(source, points, command.reach_mm);
+  if (!factor) return;
+  const char* unit = *factor == 10 ? "cm" : *factor == 1000 ? "m" : *factor == 0.001 ? "um" : "tenths of mm";
+  throw UserError(fmt::format("is {} where {} is {} mm, and lies on it when scaled by {:g}", size_text(points),
+                              command.source, size_text(source.nodes_mm), *factor),
+                  command.input, fmt::format("is it in {}? scale it by {:g}", unit, *factor));
 }
 
 void refuse_far_nodes(const fibers::TransferredFibers& result, std::size_t nodes, const TransferCommand& command) {
@@ -68,7 +79,7 @@ void refuse_far_nodes(const fibers::TransferredFibers& result, std::size_t nodes
                                     : "allow more with --reach, or leave them without fibres with --partial");
 }
 
-void store(adapters::UnstructuredData& mesh, fibers::TransferredFibers& result) {
+void store(UnstructuredData& mesh, fibers::TransferredFibers& result) {
   const auto put = [](auto& vectors, FiberField& field) {
     vectors["fiber"] = std::move(field.fiber);
     vectors["sheet"] = std::move(field.sheet);
@@ -77,11 +88,11 @@ void store(adapters::UnstructuredData& mesh, fibers::TransferredFibers& result) 
   put(mesh.point_vectors, result.node);
   put(mesh.cell_vectors, result.cell);
   mesh.point_scalars.erase("fiber_source");  // of other fibres
+  mesh.integers.insert("fiber_source");
   if (!result.source.empty()) mesh.point_scalars["fiber_source"] = {result.source.begin(), result.source.end()};
 }
 
-void print(const TransferCommand& command, const adapters::UnstructuredData& mesh,
-           const fibers::TransferredFibers& result) {
+void print(const TransferCommand& command, const UnstructuredData& mesh, const fibers::TransferredFibers& result) {
   Json sources = Json::object();
   for (std::size_t s = 0; s < source_names.size() && !result.source.empty(); ++s)
     sources[source_names[s]] = std::count(result.source.begin(), result.source.end(), s);
@@ -91,13 +102,15 @@ void print(const TransferCommand& command, const adapters::UnstructuredData& mes
                             {"cells", mesh.tets.size()},
                             {"nodes_beyond_reach", result.beyond_nodes},
                             {"farthest_mm", result.farthest_mm},
-                            {"nodes_by_source", sources}}
+                            {"nodes_by_source", sources},
+                            {"remarks", mesh.remarks}}
                            .dump(1));
     return;
   }
   fmt::print("{}: fibres on {} nodes and {} cells\n", command.output, mesh.points.size(), mesh.tets.size());
   fmt::print("farthest node from the source: {:.3g} mm; {} beyond {:g} mm are without fibres\n", result.farthest_mm,
              result.beyond_nodes, command.reach_mm);
+  for (const auto& remark : mesh.remarks) fmt::print("{}\n", remark);
 }
 
 }  // namespace
@@ -105,11 +118,13 @@ void print(const TransferCommand& command, const adapters::UnstructuredData& mes
 int transfer_command(const TransferCommand& command) {
   check(command);
   const TetMesh source = read_source(command.source);
-  auto mesh = adapters::read_unstructured(command.input);
+  auto mesh = meshes::read_any_mesh(command.input);
+  refuse_wrong_unit(source, mesh.points, command);
   auto result = fibers::transfer_fibers(source, mesh.points, mesh.tets, command.reach_mm);
   refuse_far_nodes(result, mesh.points.size(), command);
   store(mesh, result);
-  adapters::write_unstructured(command.output, mesh);
+  const auto labels = meshes::find_labels(mesh, "", command.input);
+  for (auto& remark : meshes::write_any_mesh(command.output, mesh, labels)) mesh.remarks.push_back(std::move(remark));
   print(command, mesh, result);
   return 0;
 }

@@ -5,7 +5,7 @@
 namespace heart::app {
 
 struct TransferCommand {
-  std::string source;  ///< folder of a bundle, or .vtu, .vtk with "fiber" and "sheet" on its points
+  std::string source;  ///< folder of a bundle, or any mesh (any_mesh.hpp) with "fiber" and "sheet" on its points
   std::string input, output;
   double reach_mm = 5;   ///< how far a node may lie from the source
   bool partial = false;  ///< leave nodes farther away without fibres instead of refusing
@@ -13,7 +13,7 @@ struct TransferCommand {
 };
 
 /// Writes `input` with the arrays "fiber", "sheet", "sheet_normal" on points and cells and "fiber_source" on points;
-/// its other arrays stay, as float64. Throws UserError, before anything is written.
+/// its other arrays stay, as float64 or int32. Throws UserError, before anything is written.
 int transfer_command(const TransferCommand& command);
 
 }  // namespace heart::app

@@ -3,14 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/exnode.hpp"
+#include "generator/atlas/point_axes.hpp"
 #include "generator/atlas/voxel_atlas.hpp"
+#include "generator/meshes/msh_file.hpp"
+#include "model/bounding_box.hpp"
 #include "model/error.hpp"
+#include "model/fiber_names.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -20,16 +25,6 @@ constexpr const char* expected = "a fibre atlas is a mesh of tetrahedra with one
 constexpr double smallest_heart_mm = 50, largest_heart_mm = 250;
 
 bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-double longest_side(const std::vector<Vec3>& points) {
-  Vec3 low = points.front(), high = points.front();
-  for (const Vec3& p : points)
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], p[axis]);
-      high[axis] = std::max(high[axis], p[axis]);
-    }
-  return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-}
 
 double unit_in_mm(const std::string& name, const std::vector<Vec3>& points) {
   const double side = longest_side(points);
@@ -63,32 +58,10 @@ void orient(std::vector<Cell>& cells, const std::vector<Vec3>& points) {
     if (dot(at(c[1]) - at(c[0]), cross(at(c[2]) - at(c[0]), at(c[3]) - at(c[0]))) < 0) std::swap(c[2], c[3]);
 }
 
-std::vector<Vec3> point_axes(std::size_t points, const std::vector<Cell>& cells, const std::vector<Vec3>& vectors) {
-  std::vector<Vec3> axes(points);
-  if (vectors.size() == points) {
-    std::transform(vectors.begin(), vectors.end(), axes.begin(), [](const Vec3& v) { return normalized(v); });
-    return axes;
-  }
-  std::vector<AxisTensor> sum(points);
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (const auto node : cells[c]) sum[static_cast<std::size_t>(node)] += axis_tensor(normalized(vectors[c]));
-  for (std::size_t p = 0; p < points; ++p)
-    if (trace(sum[p]) > 0) axes[p] = leading_axis(sum[p]);
+std::vector<Vec3> unit_axes(const std::vector<Vec3>& vectors) {
+  std::vector<Vec3> axes(vectors.size());
+  std::transform(vectors.begin(), vectors.end(), axes.begin(), [](const Vec3& v) { return normalized(v); });
   return axes;
-}
-
-template <class T>
-const std::vector<T>* preferred(const std::map<std::string, std::vector<T>>& arrays) {
-  const std::vector<T>* first = nullptr;
-  for (const auto& [name, array] : arrays) {
-    if (array.empty()) continue;
-    std::string start = name.substr(0, 3);
-    std::transform(start.begin(), start.end(), start.begin(),
-                   [](unsigned char c) { return static_cast<char>(c | 32); });
-    if (start == "fib") return &array;
-    if (!first) first = &array;
-  }
-  return first;
 }
 
 std::vector<Vec3> leading_axes(const std::vector<Mat3>& tensors) {
@@ -98,12 +71,48 @@ std::vector<Vec3> leading_axes(const std::vector<Mat3>& tensors) {
   return axes;
 }
 
-std::vector<Vec3> fibers_of(const adapters::UnstructuredData& data, const std::string& path) {
-  if (const auto* vectors = preferred(data.point_vectors)) return *vectors;
-  if (const auto* vectors = preferred(data.cell_vectors)) return *vectors;
-  if (const auto* tensors = preferred(data.point_tensors)) return leading_axes(*tensors);
-  if (const auto* tensors = preferred(data.cell_tensors)) return leading_axes(*tensors);
-  throw UserError("the atlas has no array of vectors or tensors", path, expected);
+/// An array that may be the fibres.
+struct Candidate {
+  std::string name;
+  bool is_on_points;
+  const std::vector<Vec3>* vectors;  ///< or else tensors
+  const std::vector<Mat3>* tensors;
+
+  std::string text() const { return fmt::format("{} array \"{}\"", is_on_points ? "point" : "cell", name); }
+};
+
+/// Points before cells, vectors before tensors, each by name.
+std::vector<Candidate> candidates_in(const UnstructuredData& data) {
+  std::vector<Candidate> all;
+  for (const auto& [name, values] : data.point_vectors) all.push_back({name, true, &values, nullptr});
+  for (const auto& [name, values] : data.cell_vectors) all.push_back({name, false, &values, nullptr});
+  for (const auto& [name, values] : data.point_tensors) all.push_back({name, true, nullptr, &values});
+  for (const auto& [name, values] : data.cell_tensors) all.push_back({name, false, nullptr, &values});
+  return all;
+}
+
+bool is_something_else(const std::string& name) {
+  std::string lower = name;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto axis = axis_name(name);
+  return axis == AxisName::sheet || axis == AxisName::sheet_normal || lower.starts_with("normal");
+}
+
+Candidate chosen_array(const UnstructuredData& data, const std::string& wanted, const std::string& path) {
+  const auto all = candidates_in(data);
+  if (all.empty()) throw UserError("the atlas has no array of vectors or tensors", path, expected);
+  std::vector<std::string> texts;
+  for (const auto& candidate : all) texts.push_back(candidate.text());
+  const auto list = fmt::format("its vectors and tensors: {}", fmt::join(texts, ", "));
+  const auto is_it = [&](const Candidate& candidate) {
+    return wanted.empty() ? axis_name(candidate.name) == AxisName::fiber : candidate.name == wanted;
+  };
+  const auto found = std::find_if(all.begin(), all.end(), is_it);
+  if (found != all.end()) return *found;
+  if (!wanted.empty()) throw UserError(fmt::format("has no array \"{}\" of vectors or tensors", wanted), path, list);
+  if (all.size() == 1 && !is_something_else(all.front().name)) return all.front();
+  throw UserError("the atlas has no array with a known name of fibres", path,
+                  list + "; name one: --atlas-array NAME, or input.atlas_array in the recipe");
 }
 
 }  // namespace
@@ -115,7 +124,7 @@ FiberAtlas make_fiber_atlas(std::string name, std::vector<Vec3> points, std::vec
   atlas.unit_in_mm = unit_in_mm(name, points);
   for (Vec3& p : points) p *= atlas.unit_in_mm;
   orient(cells, points);
-  atlas.fiber = point_axes(points.size(), cells, vectors);
+  atlas.fiber = vectors.size() == points.size() ? unit_axes(vectors) : point_axes(points, cells, vectors);
   if (std::all_of(atlas.fiber.begin(), atlas.fiber.end(), [](const Vec3& f) { return norm(f) == 0; }))
     throw UserError("all vectors of the atlas are zero", name, expected);
   atlas.points_mm = std::move(points);
@@ -124,13 +133,17 @@ FiberAtlas make_fiber_atlas(std::string name, std::vector<Vec3> points, std::vec
   return atlas;
 }
 
-FiberAtlas read_fiber_atlas(const std::string& path) {
+FiberAtlas read_fiber_atlas(const std::string& path, const std::string& array) {
+  if (!array.empty() && (is_exnode_path(path) || is_image_path(path)))
+    throw UserError("has no arrays to choose from", path, "leave out --atlas-array and input.atlas_array");
   if (is_exnode_path(path)) return read_exnode_atlas(path);
   if (is_image_path(path)) return read_voxel_atlas(path);
-  auto data = adapters::read_unstructured(path);
-  const auto fibers = fibers_of(data, path);
+  auto data = path.ends_with(".msh") ? meshes::read_msh(path) : adapters::read_unstructured(path);
+  const auto chosen = chosen_array(data, array, path);
+  const auto fibers = chosen.vectors ? *chosen.vectors : leading_axes(*chosen.tensors);
   auto atlas = make_fiber_atlas(path, std::move(data.points), std::move(data.tets), fibers);
   atlas.name = std::filesystem::path(path).filename().string();
+  atlas.array = chosen.text();
   return atlas;
 }
 

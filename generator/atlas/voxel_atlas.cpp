@@ -10,6 +10,7 @@
 
 #include "generator/adapters/itk_io.hpp"
 #include "generator/atlas/axis_tensor.hpp"
+#include "generator/atlas/point_axes.hpp"
 #include "model/error.hpp"
 
 namespace heart::atlas {
@@ -209,7 +210,8 @@ FiberAtlas atlas_of_voxels(std::string name, const Mask& muscle, const Volume<Ve
     for (std::int64_t j = 0; j < size[1]; ++j)
       for (std::int64_t i = 0; i < size[0]; ++i)
         if (voxels.muscle(i, j, k)) mesh.add(i, j, k, voxels.axis(i, j, k));
-  auto atlas = make_fiber_atlas(std::move(name), std::move(mesh.points_mm), std::move(mesh.cells), mesh.axes);
+  const auto at_points = mean_point_axes(mesh.points_mm.size(), mesh.cells, mesh.axes);
+  auto atlas = make_fiber_atlas(std::move(name), std::move(mesh.points_mm), std::move(mesh.cells), at_points);
   atlas.cell_fiber = std::move(mesh.axes);
   return atlas;
 }

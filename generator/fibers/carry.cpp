@@ -299,6 +299,7 @@ FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels,
   result.min_jacobian = hearts.registration.min_jacobian;
   result.affine_rms_mm = hearts.registration.pose.rms_mm;
   result.atlas_overlap = hearts.registration.wall_overlap;
+  result.atlas_array = atlas.array;
   result.warnings = warnings_of(hearts, result);
   if (rule.nodes.empty())
     result.warnings.push_back({"fibers.no_rule", WarningLevel::warning,

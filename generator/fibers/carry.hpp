@@ -29,6 +29,7 @@ struct FiberResult {
   double atlas_overlap = 0;                ///< Dice of the ventricular walls after the warp
   double second_mean_deg = 0;        ///< mean angle between the chosen method's axes and the second best's, and its
   double second_p95_deg = 0;         ///< 95th percentile, over the ventricles' nodes where both have an axis
+  std::string atlas_array;           ///< of the atlas: which array of its file the fibres are; may be empty
   std::vector<Warning> warnings;     ///< what a reader of the certificate should look at
   std::vector<PartTime> part_times;  ///< in the order of the work; for logs only, never cached
 };

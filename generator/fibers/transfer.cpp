@@ -8,6 +8,7 @@
 
 #include "generator/fibers/frame.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/bounding_box.hpp"
 #include "model/error.hpp"
 #include "model/face_tree.hpp"
 
@@ -204,6 +205,28 @@ TransferredFibers transfer_fibers(const TetMesh& from, const std::vector<Vec3>& 
   };
   fill(lookup, cells.size(), middle, cell_axes_at, reach_mm, result.cell);
   return result;
+}
+
+std::optional<double> scale_onto(const TetMesh& from, const std::vector<Vec3>& points, double reach_mm) {
+  constexpr double clearly = 3, smallest_piece = 0.1, largest = 1.5, most_reach_mm = 5, nearly_all = 0.95;
+  constexpr std::size_t most_points = 1000;
+  if (points.empty() || from.cells.empty()) return {};
+  const double ratio = longest_side(points) / longest_side(from.nodes_mm);
+  const auto may_be = [&](double factor) {  // larger than the heart only where that is the whole difference
+    return ratio * factor < largest && ratio * factor > (factor > 1 ? smallest_piece : 1 / largest) &&
+           (factor > 1 ? ratio < 1 / clearly : ratio > clearly);
+  };
+  std::optional<Lookup> lookup;
+  for (const double factor : {10.0, 1000.0, 0.1, 0.001}) {
+    if (!may_be(factor)) continue;
+    if (!lookup) lookup.emplace(from);
+    std::vector<std::int32_t> near;
+    std::size_t looked_at = 0, on_it = 0;
+    for (std::size_t n = 0; n < points.size(); n += points.size() / most_points + 1, ++looked_at)
+      on_it += lookup->find(factor * points[n], near).distance_mm <= std::min(reach_mm, most_reach_mm);
+    if (static_cast<double>(on_it) >= nearly_all * static_cast<double>(looked_at)) return factor;
+  }
+  return {};
 }
 
 }  // namespace heart::fibers

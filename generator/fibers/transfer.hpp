@@ -1,6 +1,7 @@
 // Fibres from one mesh of a heart to another mesh of the same heart, in the same frame: finer, coarser, or anybody's.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "model/tet_mesh.hpp"
@@ -24,5 +25,10 @@ struct TransferredFibers {
 /// them. Not collective.
 TransferredFibers transfer_fibers(const TetMesh& from, const std::vector<Vec3>& nodes_mm,
                                   const std::vector<Cell>& cells, double reach_mm);
+
+/// The power of ten by which a mesh in another unit is to be scaled: where it is another power of ten in size, and
+/// scaled so nearly all of its points lie within reach_mm (5 at most) of `from`. A small piece in mm does not: what it
+/// is scaled to lies all over the heart's cavities and beyond. Empty: it may well be in mm.
+std::optional<double> scale_onto(const TetMesh& from, const std::vector<Vec3>& points, double reach_mm);
 
 }  // namespace heart::fibers

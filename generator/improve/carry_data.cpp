@@ -179,18 +179,27 @@ std::vector<Vec3> carried_axes(const std::vector<Vec3>& values, const std::vecto
   auto result = mixed(values, sources, [](Vec3& sum, double weight, const Vec3& value, const Vec3& first) {
     sum += (dot(value, first) < 0 ? -weight : weight) * value;
   });
-  for (std::size_t n = 0; n < result.size(); ++n)
-    if (sources[n].weights[0] != 1) result[n] = normalized(result[n]);
+  for (std::size_t n = 0; n < result.size(); ++n) {
+    if (sources[n].weights[0] == 1) continue;
+    double length = 0, share = 0;  // of the corners that have an axis
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double corner = norm(values[static_cast<std::size_t>(sources[n].nodes[i])]);
+      length += sources[n].weights[i] * corner;
+      share += corner > 0 ? sources[n].weights[i] : 0;
+    }
+    result[n] = share > 0 ? (length / share) * normalized(result[n]) : Vec3{};
+  }
   return result;
 }
 
 void straighten(const std::vector<Vec3>& first, std::vector<Vec3>& second, std::vector<Vec3>& third) {
   for (std::size_t i = 0; i < first.size(); ++i) {
-    const Vec3 rest = normalized(second[i] - dot(second[i], first[i]) * first[i]);
-    if (dot(first[i], first[i]) == 0 || dot(rest, rest) == 0) continue;
-    const Vec3 last = cross(first[i], rest);
-    second[i] = rest;
-    third[i] = dot(last, third[i]) < 0 ? -last : last;
+    const Vec3 along = normalized(first[i]);
+    const Vec3 rest = normalized(second[i] - dot(second[i], along) * along);
+    if (along == Vec3{} || rest == Vec3{}) continue;
+    const Vec3 last = cross(along, rest);
+    second[i] = norm(second[i]) * rest;
+    third[i] = (dot(last, third[i]) < 0 ? -norm(third[i]) : norm(third[i])) * last;
   }
 }
 

@@ -33,10 +33,12 @@ bool are_codes(const std::vector<double>& values);
 std::vector<double> carried(const std::vector<double>& values, const std::vector<NodeSource>& sources);
 std::vector<Vec3> carried(const std::vector<Vec3>& values, const std::vector<NodeSource>& sources);
 std::vector<Mat3> carried(const std::vector<Mat3>& values, const std::vector<NodeSource>& sources);
-/// Unit axes, whose sign means nothing: turned to the side of the nearest corner's, mixed, and made unit again.
+/// Axes, whose sign means nothing: turned to the side of the nearest corner's and mixed; as long as those of the
+/// corners that have one are on average.
 std::vector<Vec3> carried_axes(const std::vector<Vec3>& values, const std::vector<NodeSource>& sources);
 
-/// Makes `second` and `third` orthonormal to `first` where all three have a length; keeps their side.
+/// Makes `second` and `third` orthogonal to `first` and to each other where they have a length; keeps their sides and
+/// lengths.
 void straighten(const std::vector<Vec3>& first, std::vector<Vec3>& second, std::vector<Vec3>& third);
 
 }  // namespace heart::improve

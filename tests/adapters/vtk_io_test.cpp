@@ -252,6 +252,37 @@ TEST(VtkIo, AsciiAtlasWithOtherCells) {
   EXPECT_EQ(data.points[1], (Vec3{1.5, 0, 0}));
 }
 
+TEST(VtkIo, TrianglesIntegersAndHalfFilledArraysComeBack) {
+  const auto folder = scratch_folder("vtk_triangles");
+  auto data = sample_data();
+  data.faces = {{0, 1, 2}, {1, 2, 3}};
+  data.face_scalars["label"] = {7, 8};
+  data.face_vectors["only_faces"] = {{1, 2, 3}, {4, 5, 6}};
+  data.cell_scalars["label"].assign(data.tets.size(), 1);
+  data.integers = {"label"};
+  for (const char* name : {"a.vtk", "a.vtu"}) {
+    write_unstructured(folder / name, data);
+    const auto back = read_unstructured(folder / name);
+    EXPECT_EQ(back.faces, data.faces);
+    EXPECT_EQ(back.tets, data.tets);
+    EXPECT_EQ(back.face_scalars.at("label"), data.face_scalars.at("label"));
+    EXPECT_EQ(back.cell_scalars.at("label"), data.cell_scalars.at("label"));
+    EXPECT_EQ(back.face_vectors.at("only_faces"), data.face_vectors.at("only_faces"));
+    EXPECT_EQ(back.cell_vectors.at("only_faces"), std::vector<Vec3>(data.tets.size()));
+    EXPECT_EQ(back.integers, data.integers);
+    EXPECT_TRUE(back.remarks.empty());
+  }
+}
+
+TEST(VtkIo, WhatIsLeftOutIsSaid) {
+  const auto folder = scratch_folder("vtk_left_out");
+  write_bytes(folder / "a.vtk",
+              std::string(ascii_atlas) + "SCALARS pair double 2\nLOOKUP_TABLE default\n1 2 3 4 5 6 7 8 9 10\n");
+  const auto data = read_unstructured(folder / "a.vtk");
+  ASSERT_EQ(data.remarks.size(), 1U) << data.remarks.front();
+  EXPECT_EQ(data.remarks.front(), "left out: the array \"pair\" of 2 components");
+}
+
 TEST(VtkIo, BrokenAtlasesAreRefused) {
   const auto folder = scratch_folder("vtk_broken_atlas");
   const std::string whole = ascii_atlas;

@@ -113,7 +113,7 @@ TEST_F(EndToEnd, EveryResultIsReadableByMachines) {
   const Json info = json("info bundle");
   EXPECT_EQ(info["unit"], "mm");
   EXPECT_EQ(info["frame"], "LPS");
-  EXPECT_EQ(info["fibres"], "atlas.vtk");
+  EXPECT_EQ(info["fibres"], "atlas.vtk, point array \"fibers\"");
   EXPECT_GT(info["meshes"]["torso"]["labelled_faces"], 0);
   EXPECT_EQ(json("pack bundle one.tar.zst")["archive"], "one.tar.zst");
   EXPECT_EQ(json("unpack one.tar.zst unpacked")["bundle"], "unpacked");

@@ -62,13 +62,15 @@ TEST(ImproveCommand, RaisesAnglesAndKeepsGoingThroughFormats) {
   EXPECT_EQ(nlohmann::json::parse(second.output)["before"]["dihedral_min_deg"], result["after"]["dihedral_min_deg"]);
 }
 
-TEST(ImproveCommand, NumbersOfNodesAreRefusedByName) {
+TEST(ImproveCommand, NumbersOfNodesAreMadeAnewAndToldOf) {
   const auto folder = testing::scratch_folder("improve_ids");
   write_block(folder / "block.vtk", numbers(64));
-  const auto refused = testing::heartgen("improve block.vtk better.vtk", folder.string());
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_NE(refused.errors.find("\"id\""), std::string::npos) << refused.errors;
-  EXPECT_FALSE(fs::exists(folder / "better.vtk"));
+  const auto run = testing::heartgen("improve block.vtk better.vtk", folder.string());
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_NE(run.output.find("ids made anew: id\n"), std::string::npos) << run.output;
+  const auto both = testing::heartgen("improve block.vtk b.vtk --drop one,id,two", folder.string());
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_NE(both.errors.find("\"one\", \"two\""), std::string::npos) << "all at once: " << both.errors;
   EXPECT_EQ(testing::heartgen("improve block.vtk better.vtk --drop id", folder.string()).exit_code, 0);
   EXPECT_EQ(testing::heartgen("improve block.vtk better.stl", folder.string()).exit_code, 2);
   EXPECT_EQ(testing::heartgen("improve none.vtk better.vtk", folder.string()).exit_code, 2);

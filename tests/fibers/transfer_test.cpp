@@ -207,6 +207,23 @@ TEST(Transfer, SourcesAreNotMixed) {
   EXPECT_TRUE(onto(target(), unknown).source.empty());
 }
 
+TEST(Transfer, AnotherUnitIsToldFromAPiece) {
+  TetMesh from = cube(8, turning);
+  for (auto& p : from.nodes_mm) p = 100 * p;  // as large as a heart
+  const auto scaled = [&](double factor) {
+    auto points = from.nodes_mm;
+    for (auto& p : points) p *= factor;
+    return points;
+  };
+  EXPECT_EQ(fibers::scale_onto(from, scaled(0.1), 5), 10) << "cm";
+  EXPECT_EQ(fibers::scale_onto(from, scaled(0.001), 5), 1000) << "m";
+  EXPECT_EQ(fibers::scale_onto(from, scaled(1000), 5), 0.001) << "um";
+  EXPECT_FALSE(fibers::scale_onto(from, scaled(1), 5));
+  auto piece = scaled(0.1);
+  for (auto& p : piece) p += Vec3{40, 0, 0};
+  EXPECT_FALSE(fibers::scale_onto(from, piece, 20)) << "a piece in mm";
+}
+
 TEST(Transfer, AMeshWithoutFibresIsRefused) {
   TetMesh from = cube(2, straight);
   from.node_fibers.sheet.clear();

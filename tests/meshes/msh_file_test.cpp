@@ -1,4 +1,4 @@
-#include "generator/improve/msh_file.hpp"
+#include "generator/meshes/msh_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -34,13 +34,13 @@ std::filesystem::path file_with(const std::string& name, const std::string& text
 
 TEST(Msh, BothVersionsAreRead) {
   for (const auto& text : {version_2, version_4}) {
-    const auto mesh = improve::read_msh(file_with("both", text));
-    ASSERT_EQ(mesh.nodes.size(), 5U);
-    EXPECT_EQ(mesh.nodes[4], (Vec3{1, 1, 1.5}));
-    EXPECT_EQ(mesh.cells, (std::vector<Cell>{{0, 1, 2, 3}, {1, 2, 3, 4}}));
-    EXPECT_EQ(mesh.region[0], 7);
+    const auto mesh = meshes::read_msh(file_with("both", text));
+    ASSERT_EQ(mesh.points.size(), 5U);
+    EXPECT_EQ(mesh.points[4], (Vec3{1, 1, 1.5}));
+    EXPECT_EQ(mesh.tets, (std::vector<Cell>{{0, 1, 2, 3}, {1, 2, 3, 4}}));
+    EXPECT_EQ(mesh.cell_scalars.at("region")[0], 7);
     EXPECT_EQ(mesh.faces, (std::vector<Face>{{0, 1, 2}}));
-    EXPECT_EQ(mesh.surface, std::vector<std::int32_t>{9});
+    EXPECT_EQ(mesh.face_scalars.at("region"), std::vector<double>{9});
     EXPECT_EQ(mesh.names.at({3, 7}), "left wall");
   }
 }
@@ -93,20 +93,20 @@ std::string binary_version_4(bool is_swapped) {
   file.ints({3, 1, 0}).longs({2, 40, 50}).reals({0, 0, 1, 1, 1, 1.5}).say("\n$EndNodes\n$Elements\n");
   file.longs({4, 4, 1, 4}).ints({0, 5, 15}).longs({1, 9, 10}).ints({2, 4, 2}).longs({1, 1, 10, 20, 30});
   file.ints({3, 1, 4}).longs({1, 2, 10, 20, 30, 40}).ints({3, 2, 4}).longs({1, 3, 20, 30, 40, 50});
-  return file.say("\n$EndElements\n$NodeData\n").text;
+  return file.say("\n$EndElements\n").text;
 }
 
 TEST(Msh, BinaryFilesAreReadInEitherByteOrder) {
   for (const bool is_swapped : {false, true})
     for (const auto& text : {binary_version_2(is_swapped), binary_version_4(is_swapped)}) {
-      const auto mesh = improve::read_msh(file_with("binary", text));
-      ASSERT_EQ(mesh.nodes.size(), 5U);
-      EXPECT_EQ(mesh.nodes[1], (Vec3{1, 0, 0}));
-      EXPECT_EQ(mesh.nodes[4], (Vec3{1, 1, 1.5}));
-      EXPECT_EQ(mesh.cells, (std::vector<Cell>{{0, 1, 2, 3}, {1, 2, 3, 4}}));
-      EXPECT_EQ(mesh.region[0], 7);
+      const auto mesh = meshes::read_msh(file_with("binary", text));
+      ASSERT_EQ(mesh.points.size(), 5U);
+      EXPECT_EQ(mesh.points[1], (Vec3{1, 0, 0}));
+      EXPECT_EQ(mesh.points[4], (Vec3{1, 1, 1.5}));
+      EXPECT_EQ(mesh.tets, (std::vector<Cell>{{0, 1, 2, 3}, {1, 2, 3, 4}}));
+      EXPECT_EQ(mesh.cell_scalars.at("region")[0], 7);
       EXPECT_EQ(mesh.faces, (std::vector<Face>{{0, 1, 2}}));
-      EXPECT_EQ(mesh.surface, std::vector<std::int32_t>{9});
+      EXPECT_EQ(mesh.face_scalars.at("region"), std::vector<double>{9});
       EXPECT_EQ(mesh.names.at({3, 7}), "left wall");
       EXPECT_EQ(mesh.names.at({2, 9}), "skin");
     }
@@ -116,20 +116,20 @@ TEST(Msh, BinaryFilesThatAreCutOffAreRefused) {
   for (const auto& whole : {binary_version_2(false), binary_version_4(false)}) {
     const auto end = whole.find("\n$EndElements");
     for (std::size_t size = 0; size <= end; ++size)
-      EXPECT_THROW(improve::read_msh(file_with("cut", whole.substr(0, size))), UserError) << size << " of " << end;
+      EXPECT_THROW(meshes::read_msh(file_with("cut", whole.substr(0, size))), UserError) << size << " of " << end;
   }
 }
 
 TEST(Msh, WrittenFilesReadBackTheSame) {
-  const auto mesh = improve::read_msh(file_with("first", version_2));
+  const auto mesh = meshes::read_msh(file_with("first", version_2));
   const auto path = file_with("second", "");
-  improve::write_msh(path, mesh);
-  const auto again = improve::read_msh(path);
-  EXPECT_EQ(again.nodes, mesh.nodes);
-  EXPECT_EQ(again.cells, mesh.cells);
-  EXPECT_EQ(again.region, mesh.region);
+  meshes::write_msh(path, mesh, "region");
+  const auto again = meshes::read_msh(path);
+  EXPECT_EQ(again.points, mesh.points);
+  EXPECT_EQ(again.tets, mesh.tets);
+  EXPECT_EQ(again.cell_scalars, mesh.cell_scalars);
   EXPECT_EQ(again.faces, mesh.faces);
-  EXPECT_EQ(again.surface, mesh.surface);
+  EXPECT_EQ(again.face_scalars, mesh.face_scalars);
   EXPECT_EQ(again.names, mesh.names);
 }
 
@@ -151,18 +151,18 @@ TEST(Msh, BrokenFilesAreRefusedByName) {
       {with(version_2, "20 1 0 0\n30", "10 1 0 0\n30"), "node 10"},
       {with(version_2, "$Nodes\n5\n", "$Nodes\n9\n"), "too early"},
       {with(version_4, "$Elements\n3 3 1 3\n", "$Elements\n-3 3 1 3\n"), "no count"},
-      {with(with(version_2, "3 4 2 7", "3 11 2 7"), "4 4 2 8", "4 11 2 8"), "no tetrahedron"}};
+      {with(with(version_2, "3 4 2 7", "3 11 2 7"), "4 4 2 8", "4 11 2 8"), "2 quadratic tetrahedra"}};
   for (const auto& [text, expected] : broken) {
     const auto path = file_with("broken", text);
     try {
-      improve::read_msh(path);
+      meshes::read_msh(path);
       ADD_FAILURE() << "accepted: " << expected;
     } catch (const UserError& error) {
       EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
       EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos);
     }
   }
-  EXPECT_THROW(improve::read_msh("/nowhere/mesh.msh"), UserError);
+  EXPECT_THROW(meshes::read_msh("/nowhere/mesh.msh"), UserError);
 }
 
 }  // namespace

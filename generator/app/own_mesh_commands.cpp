@@ -1,0 +1,92 @@
+// `validate` and `export` of a mesh of the user's own.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "exporters/certificate_json.hpp"
+#include "exporters/cut.hpp"
+#include "exporters/registry.hpp"
+#include "generator/app/own_mesh.hpp"
+#include "generator/app/print_certificate.hpp"
+#include "model/error.hpp"
+#include "model/labels.hpp"
+#include "model/recipe.hpp"
+#include "validation/mesh_checks.hpp"
+
+namespace heart::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int validation_failed = 3;
+
+/// Angles with which solvers still get on; our own meshers promise more.
+ValidationSettings bounds_of_any_mesh() {
+  Recipe recipe;
+  recipe.validation.minimum_dihedral_deg = 5;
+  recipe.validation.maximum_dihedral_deg = 175;
+  return bounds_of(recipe);
+}
+
+/// What the certificate calls a tag, and what the file does.
+std::map<std::string, std::string> names_in_certificate(const TetMesh& mesh) {
+  std::map<std::string, std::string> names;
+  for (const auto& [of, name] : mesh.names)
+    names[of.first == 3 ? region_name(of.second) : surface_name(of.second)] = name;
+  return names;
+}
+
+/// The certificate's rows of the mesh alone, its regions and surfaces called by their own names.
+Report own_certificate(const OwnMesh& own) {
+  Report report = validation::check_mesh(own.name, own.mesh, bounds_of_any_mesh());
+  const auto names = names_in_certificate(own.mesh);
+  for (auto& row : report) {
+    const auto slash = row.scope.find('/');
+    if (slash == std::string::npos) continue;
+    const auto found = names.find(row.scope.substr(slash + 1));
+    if (found != names.end()) row.scope = row.scope.substr(0, slash + 1) + found->second;
+  }
+  return report;
+}
+
+}  // namespace
+
+int validate_own_mesh(const ValidateCommand& command) {
+  if (!command.reference_labels.empty() || !command.reference_fibers.empty())
+    throw UserError("is compared with bundles only", "--reference-labels, --reference-fibers", "give a bundle");
+  const auto own = read_own_mesh(command.bundle, command.region, command.input_unit);
+  const Report report = own_certificate(own);
+  if (command.json) {
+    fmt::print("{}\n", exporters::certificate_json({report, {}, {}}));
+  } else {
+    print_rows(report, command.all_rows);
+    for (const auto& remark : own.remarks) fmt::print("{}\n", remark);
+  }
+  return all_passed(report) ? 0 : validation_failed;
+}
+
+int export_own_mesh(const ExportCommand& command) {
+  if (!command.mesh.empty())
+    throw UserError("names a mesh of a bundle", "--mesh " + command.mesh, "leave it out: the file has one mesh");
+  for (const auto& format : command.formats) exporters::find_format(format);  // before anything is written
+  if (!command.only.empty())
+    throw UserError("cuts regions out of a bundle's mesh", "--only",
+                    "leave it out: a mesh of your own is exported whole");
+  auto own = read_own_mesh(command.bundle, command.region, command.input_unit);
+  if (command.no_interfaces) own.mesh = exporters::without_interfaces(std::move(own.mesh));
+  Json files = Json::array();
+  for (const auto& format : command.formats)
+    for (const auto& file :
+         exporters::export_mesh(format, own.mesh, own.name, fs::path(command.output) / format, command.unit)) {
+      files.push_back(file.string());
+      if (!command.json) fmt::print("{}\n", file.string());
+    }
+  if (command.json) fmt::print("{}\n", files.dump(1));
+  for (const auto& remark : own.remarks) fmt::print(stderr, "{}\n", remark);
+  return 0;
+}
+
+}  // namespace heart::app

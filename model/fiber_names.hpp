@@ -1,0 +1,13 @@
+// What programs call the arrays that hold fibre, sheet and sheet-normal axes.
+#pragma once
+#include <string_view>
+
+namespace heart {
+
+enum class AxisName { none, fiber, sheet, sheet_normal };
+
+/// fiber: fib..., ...fiber..., f0, e1, longitudinal ...; sheet: ...sheet..., s0, e2, transversal ...; sheet_normal:
+/// both "sheet" and "normal", n0, e3. Small and capital letters are the same.
+AxisName axis_name(std::string_view array);
+
+}  // namespace heart

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "validation/report_html.hpp"
+#include "validation/wall_fields.hpp"
 
 namespace heart::validation {
 
@@ -18,10 +19,10 @@ std::string joined(const Pieces& pieces);
 struct Shared {
   const FacesOfMeshes* given_faces = nullptr;
   FacesOfMeshes own_faces;        ///< where none are given
-  std::vector<double> helix_deg;  ///< per node of the myocardium; empty without one
+  std::vector<WallField> fields;  ///< of the myocardium; none without one
 
   const FacesOfMeshes& all_faces() const { return given_faces ? *given_faces : own_faces; }
-  const std::vector<MeshFace>& faces_of(const std::string& mesh) const { return all_faces().at(mesh); }
+  const std::vector<double>* helix_deg() const;  ///< per node of the myocardium; null without fibres
 };
 
 /// Refers to `input`.
@@ -30,7 +31,6 @@ Shared shared_by_pieces(const ReportInput& input);
 // The pieces refer to `input` and `shared`.
 Pieces viewer_section(const ReportInput& input, const Shared& shared);
 Pieces slices_section(const ReportInput& input, const Shared& shared);
-Pieces meshes_section(const ReportInput& input, const Shared& shared);
-Pieces fibers_section(const ReportInput& input, const Shared& shared);
+Pieces charts_section(const ReportInput& input, const Shared& shared);
 
 }  // namespace heart::validation

@@ -3,14 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <vector>
 
+#include "validation/glossary.hpp"
 #include "validation/html_text.hpp"
 
 namespace heart::validation {
 namespace {
+
+struct Counts {
+  std::int64_t passed = 0, warned = 0, failed = 0;
+};
 
 std::string words(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
@@ -25,24 +31,64 @@ std::string unit_text(const std::string& unit) {
   return fmt::format(" {}", escaped(unit));
 }
 
+std::string between(const std::optional<double>& low, const std::optional<double>& high, const std::string& unit) {
+  if (low && high) return readable(*low) + " to " + readable(*high) + unit;
+  if (low) return "\u2265 " + readable(*low) + unit;
+  return high ? (*high == 0 ? "must be 0" : "\u2264 " + readable(*high) + unit) : "";
+}
+
+/// "30 to 145\u00B0, usually 35 to 140\u00B0"
 std::string bound_text(const ReportRow& row) {
   const std::string unit = unit_text(row.unit);
-  if (row.at_least && row.at_most) return readable(*row.at_least) + " to " + readable(*row.at_most) + unit;
-  if (row.at_least) return "\u2265 " + readable(*row.at_least) + unit;
-  if (row.at_most)
-    return fmt::format("{}{}{}", *row.at_most == 0 ? "must be " : "\u2264 ", readable(*row.at_most), unit);
-  return "";
+  const std::string bound = between(row.at_least, row.at_most, unit);
+  const std::string usual = between(row.warn_below, row.warn_above, unit);
+  if (usual.empty()) return bound;
+  return bound + (bound.empty() ? "" : ", ") + "usually " + usual;
+}
+
+struct Tone {
+  const char* css;
+  const char* word;
+};
+
+Tone tone_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::failed:
+      return {"bad", "failed"};
+    case Verdict::warned:
+      return {"note", "warning"};
+    case Verdict::passed:
+      return {"good", "passed"};
+    default:
+      return {"none", ""};
+  }
 }
 
 std::string status(const ReportRow& row) {
-  if (!row.judges()) return "";
-  return row.passed() ? "<span class=\"pill good\">passed</span>" : "<span class=\"pill bad\">failed</span>";
+  const Tone tone = tone_of(row.verdict());
+  return row.judges() ? fmt::format("<span class=\"pill {}\">{}</span>", tone.css, tone.word) : "";
 }
 
-std::string pill(const Counts& verdict) {
-  if (verdict.judged == 0) return "<span class=\"pill none\">measured</span>";
-  if (verdict.failed == 0) return fmt::format("<span class=\"pill good\">{} passed</span>", verdict.judged);
-  return fmt::format("<span class=\"pill bad\">{} of {} failed</span>", verdict.failed, verdict.judged);
+std::string pill(const Counts& counts) {
+  std::string html;
+  const auto add = [&](Verdict verdict, std::int64_t count) {
+    if (count > 0)
+      html += fmt::format("<span class=\"pill {}\">{} {}</span>", tone_of(verdict).css, count, tone_of(verdict).word);
+  };
+  add(Verdict::failed, counts.failed), add(Verdict::warned, counts.warned), add(Verdict::passed, counts.passed);
+  return html.empty() ? "<span class=\"pill none\">measured</span>" : html;
+}
+
+/// The metric, which tells what it means when touched.
+std::string term(const std::string& metric) {
+  const std::string meaning = meaning_of(metric);
+  if (meaning.empty()) return words(metric);
+  return fmt::format("<button type=\"button\" class=\"term\" data-term=\"{}\" title=\"{}\">{}</button>",
+                     escaped(metric), escaped(meaning), words(metric));
+}
+
+std::string reason_html(const ReportRow& row) {
+  return row.reason.empty() ? "" : "<small>" + escaped(row.reason) + "</small>";
 }
 
 std::string table(const std::vector<const ReportRow*>& rows, bool with_scope) {
@@ -50,18 +96,27 @@ std::string table(const std::vector<const ReportRow*>& rows, bool with_scope) {
   if (with_scope) html += "<th>where</th>";
   html += "<th>measure</th><th class=\"value\">value</th><th>bound</th><th></th></tr></thead><tbody>\n";
   for (const ReportRow* row : rows) {
-    html += row->judges() && !row->passed() ? "<tr class=\"fail\">" : "<tr>";
+    const Verdict verdict = row->verdict();
+    html += verdict == Verdict::failed   ? "<tr class=\"fail\">"
+            : verdict == Verdict::warned ? "<tr class=\"warn\">"
+                                         : "<tr>";
     if (with_scope) html += "<td>" + words(row->scope) + "</td>";
-    html += fmt::format("<td>{}</td><td class=\"value\">{}{}</td><td class=\"bound\">{}</td><td>{}</td></tr>\n",
-                        words(row->metric), readable(row->value), unit_text(row->unit), bound_text(*row), status(*row));
+    html += fmt::format("<td>{}</td><td class=\"value\">{}{}</td><td class=\"bound\">{}{}</td><td>{}</td></tr>\n",
+                        term(row->metric), readable(row->value), unit_text(row->unit), bound_text(*row),
+                        reason_html(*row), status(*row));
   }
   return html + "</tbody></table></div>\n";
 }
 
 Counts counts_of_rows(const std::vector<const ReportRow*>& rows) {
-  Counts verdict;
-  for (const ReportRow* row : rows) verdict.judged += row->judges(), verdict.failed += row->judges() && !row->passed();
-  return verdict;
+  Counts counts;
+  for (const ReportRow* row : rows) {
+    const Verdict verdict = row->verdict();
+    counts.failed += verdict == Verdict::failed;
+    counts.warned += verdict == Verdict::warned;
+    counts.passed += verdict == Verdict::passed;
+  }
+  return counts;
 }
 
 using RowsByScope = std::vector<std::pair<std::string, std::vector<const ReportRow*>>>;
@@ -80,11 +135,24 @@ RowsByScope by_scope(const Report& report, const std::string& group) {
   return scopes;
 }
 
+/// Under a table without room for them: bounds and their reasons, each once.
+std::string bounds_of_metrics(const RowsByScope& scopes) {
+  std::vector<std::string> lines;
+  for (const auto& [scope, rows] : scopes)
+    for (const ReportRow* row : rows) {
+      if (!row->judges() || row->reason.empty()) continue;
+      std::string line = fmt::format("<li>{}: {}</li>\n", words(row->metric), escaped(row->reason));
+      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(std::move(line));
+    }
+  if (lines.empty()) return "";
+  return fmt::format("<ul class=\"reasons\">\n{}</ul>\n", fmt::join(lines, ""));
+}
+
 /// One line per scope, one column per metric: for groups whose scopes share a few metrics.
 std::string pivot(const RowsByScope& scopes, const std::vector<std::pair<std::string, std::string>>& metrics) {
   std::string html = "<div class=\"scroll\"><table><thead><tr><th></th>";
   for (const auto& [metric, unit] : metrics)
-    html += fmt::format("<th class=\"value\">{}{}</th>", words(metric), unit.empty() ? "" : fmt::format(" ({})", unit));
+    html += fmt::format("<th class=\"value\">{}{}</th>", term(metric), unit.empty() ? "" : fmt::format(" ({})", unit));
   html += "</tr></thead><tbody>\n";
   for (const auto& [scope, rows] : scopes) {
     html += "<tr><td>" + words(scope) + "</td>";
@@ -96,12 +164,12 @@ std::string pivot(const RowsByScope& scopes, const std::vector<std::pair<std::st
         continue;
       }
       const ReportRow& row = **at;
-      const char* tone = !row.judges() ? "" : row.passed() ? " good" : " bad";
-      html += fmt::format("<td class=\"value{}\" title=\"{}\">{}</td>", tone, bound_text(row), readable(row.value));
+      html += fmt::format("<td class=\"value {}\" title=\"{}\">{}</td>", tone_of(row.verdict()).css, bound_text(row),
+                          readable(row.value));
     }
     html += "</tr>\n";
   }
-  return html + "</tbody></table></div>\n";
+  return html + "</tbody></table></div>\n" + bounds_of_metrics(scopes);
 }
 
 /// Metrics with their units in the order of their first appearance.
@@ -167,6 +235,49 @@ std::string scope_block(const std::string& top, const RowsByScope& scopes) {
   return block(top, pill(verdict), inside + parts);
 }
 
+/// What of the view a scope is about: the last of its names that it can show.
+std::string shown_name(const std::string& scope, const ShownNames& shown) {
+  std::string found, name;
+  const auto end_name = [&] {
+    if (shown.count(name)) found = name;
+    name.clear();
+  };
+  for (const char c : scope)
+    if (std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.')
+      name += c;
+    else
+      end_name();
+  end_name();
+  return found.empty() && scope == "ventricles" && shown.count("myocardium") ? "myocardium" : found;
+}
+
+/// The colour of the view that tells of a metric.
+const char* color_of(const std::string& metric) {
+  static constexpr std::pair<std::string_view, const char*> colors[] = {
+      {"helix", "helix"},         {"wall_thickness", "thickness"},  {"rule_difference", "difference"},
+      {"second", "difference"},   {"inpainted", "source"},          {"nodes_without", "source"},
+      {"dihedral", "quality"},    {"radius_ratio", "quality"},      {"scaled_jacobian", "quality"},
+      {"inverted", "quality"},    {"non_orthogonality", "quality"}, {"skewness", "quality"},
+      {"neighbour_jump", "helix"}};
+  for (const auto& [start, color] : colors)
+    if (metric.starts_with(start)) return color;
+  return "region";
+}
+
+std::string show_link(const ReportRow& row, const ShownNames& shown) {
+  const std::string name = shown_name(row.scope, shown);
+  if (name.empty()) return "";
+  return fmt::format("<a class=\"show\" href=\"#view\" data-show=\"{}\" data-color=\"{}\">show in 3D</a>",
+                     escaped(name), color_of(row.metric));
+}
+
+std::string flagged_row(const ReportRow& row, const ShownNames& shown) {
+  return fmt::format("<li class=\"{}\">{}<div><b>{}</b> {} <strong>{}{}</strong> <span>{}</span>{}</div>{}</li>\n",
+                     row.verdict() == Verdict::failed ? "fail" : "warn", status(row), words(row.scope),
+                     term(row.metric), readable(row.value), unit_text(row.unit), bound_text(row), reason_html(row),
+                     show_link(row, shown));
+}
+
 std::string group_title(const std::string& group) {
   const std::map<std::string, std::string> titles = {
       {"mesh", "Meshes"}, {"fibers", "Fibres"}, {"fit", "Fit of the contours to the image"}, {"labels", "Label map"}};
@@ -175,12 +286,6 @@ std::string group_title(const std::string& group) {
 }
 
 }  // namespace
-
-Counts counts_of(const Report& report) {
-  Counts verdict;
-  for (const ReportRow& row : report) verdict.judged += row.judges(), verdict.failed += row.judges() && !row.passed();
-  return verdict;
-}
 
 std::string readable(double value) {
   if (!std::isfinite(value)) return std::isnan(value) ? "not a number" : value > 0 ? "infinite" : "-infinite";
@@ -201,11 +306,19 @@ std::optional<double> row_value(const Report& report, std::string_view group, st
   return std::nullopt;
 }
 
-std::string failed_rows_html(const Report& report) {
-  std::vector<const ReportRow*> failed;
-  for (const ReportRow& row : report)
-    if (row.judges() && !row.passed()) failed.push_back(&row);
-  return failed.empty() ? "" : table(failed, true);
+std::string flagged_rows_html(const Report& report, const ShownNames& shown) {
+  constexpr std::size_t most_open = 6;
+  std::string open, folded;
+  std::size_t count = 0;
+  for (const Verdict verdict : {Verdict::failed, Verdict::warned})
+    for (const ReportRow& row : report)
+      if (row.verdict() == verdict) (count++ < most_open ? open : folded) += flagged_row(row, shown);
+  if (open.empty()) return "";
+  std::string html = "<ul class=\"flagged\">\n" + open + "</ul>\n";
+  if (!folded.empty())
+    html += fmt::format("<details><summary>{} more</summary>\n<ul class=\"flagged\">\n{}</ul></details>\n",
+                        count - most_open, folded);
+  return html;
 }
 
 std::string certificate_html(const Report& report) {
@@ -228,6 +341,17 @@ std::string certificate_html(const Report& report) {
     for (const auto& top : tops) html += scope_block(top, scopes);
   }
   return html;
+}
+
+std::string terms_html(const Report& report) {
+  std::map<std::string, std::string> terms;
+  for (const ReportRow& row : report)
+    if (auto meaning = meaning_of(row.metric); !meaning.empty()) terms[row.metric] = std::move(meaning);
+  if (terms.empty()) return "";
+  std::string html = "<dl>\n";
+  for (const auto& [metric, meaning] : terms)
+    html += fmt::format("<dt>{}</dt><dd id=\"term-{}\">{}</dd>\n", words(metric), escaped(metric), escaped(meaning));
+  return html + "</dl>\n";
 }
 
 }  // namespace heart::validation

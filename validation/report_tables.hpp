@@ -1,17 +1,13 @@
-// The certificate's rows as HTML.
+// The rows of a certificate as HTML tables, and numbers as people read them.
 #pragma once
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
 #include "model/report.hpp"
 
 namespace heart::validation {
-
-struct Counts {
-  std::size_t judged = 0, failed = 0;
-};
-Counts counts_of(const Report& report);
 
 /// A number for people: at most four significant digits, thousands grouped, no exponent where it can be avoided.
 std::string readable(double value);
@@ -20,10 +16,16 @@ std::string readable(double value);
 std::optional<double> row_value(const Report& report, std::string_view group, std::string_view scope,
                                 std::string_view metric);
 
-/// Rows that failed, in one table; empty when there are none.
-std::string failed_rows_html(const Report& report);
+/// What the page's 3D view can show by name: regions, surfaces, meshes. Empty: there is no view, and no links to it.
+using ShownNames = std::set<std::string>;
+
+/// Rows that failed, then those that warn, in one table with links to their place; empty when there are none.
+std::string flagged_rows_html(const Report& report, const ShownNames& shown);
 
 /// All rows: a collapsible block per group and mesh (or region), parts of a mesh nested inside it.
 std::string certificate_html(const Report& report);
+
+/// A list of the words that these rows use; their ids are "term-" and the metric.
+std::string terms_html(const Report& report);
 
 }  // namespace heart::validation

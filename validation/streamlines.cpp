@@ -167,6 +167,7 @@ std::vector<Streamline> trace_fibers(const TetMesh& mesh, const std::vector<std:
     const Vec3& fiber = mesh.node_fibers.fiber[static_cast<std::size_t>(seed)];
     if (dot(fiber, fiber) < 0.5) continue;
     Streamline back, line;
+    line.seed = seed;
     tracer.follow(p, -fiber, settings.length_mm / 2, back);
     line.points_mm.assign(back.points_mm.rbegin(), back.points_mm.rend());
     line.helix_deg.assign(back.helix_deg.rbegin(), back.helix_deg.rend());

@@ -1,5 +1,6 @@
 // Lines along the fibres of a mesh.
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "model/tet_mesh.hpp"
@@ -12,6 +13,7 @@ struct StreamlineSettings {
 };
 
 struct Streamline {
+  std::int32_t seed = -1;  ///< the node that it goes through
   std::vector<Vec3> points_mm;
   std::vector<double> helix_deg;  ///< per point, interpolated from the nodes; NaN where unknown
 };

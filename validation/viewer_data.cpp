@@ -5,188 +5,19 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <vector>
 
 #include "model/labels.hpp"
-#include "validation/angle_grid.hpp"
-#include "validation/boundary_faces.hpp"
 #include "validation/heart_frame.hpp"
-#include "validation/html_text.hpp"
+#include "validation/page_data.hpp"
 #include "validation/palette.hpp"
-#include "validation/pictures.hpp"
 #include "validation/streamlines.hpp"
+#include "validation/surface_lines.hpp"
+#include "validation/value_grid.hpp"
 
 namespace heart::validation {
 namespace {
 
 using Json = nlohmann::json;
-
-/// One surface of the view.
-struct Part {
-  std::int32_t region = 0;
-  std::vector<Vec3> points_mm;
-  std::vector<double> helix_deg;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  bool glass = false;
-};
-
-/// Node ids merged per cube of side `cube_mm`; each id stands for the mean of its cube's surface nodes.
-struct Clusters {
-  std::vector<std::int32_t> of_node;  ///< -1 for nodes that are on no surface
-  std::vector<Vec3> points_mm;
-  std::vector<double> helix_deg;
-};
-
-Clusters cluster_nodes(const TetMesh& mesh, const BoundaryFaces& boundary, const std::vector<double>& helix_deg,
-                       double cube_mm) {
-  std::vector<std::uint8_t> used(mesh.nodes_mm.size(), 0);
-  for (const Face& f : boundary.faces)
-    for (const auto n : f) used[static_cast<std::size_t>(n)] = 1;
-  std::vector<std::pair<std::array<std::int64_t, 3>, std::size_t>> cubes;
-  for (std::size_t n = 0; n < used.size(); ++n) {
-    if (!used[n]) continue;
-    const auto cube = [&](double v) { return static_cast<std::int64_t>(std::floor(v / cube_mm)); };
-    const Vec3& p = mesh.nodes_mm[n];
-    // Without clustering every node is its own cube.
-    if (cube_mm > 0)
-      cubes.push_back({{cube(p.z), cube(p.y), cube(p.x)}, n});
-    else
-      cubes.push_back({{static_cast<std::int64_t>(n), 0, 0}, n});
-  }
-  std::sort(cubes.begin(), cubes.end());
-  Clusters clusters;
-  clusters.of_node.assign(used.size(), -1);
-  std::vector<double> count, helix_count;
-  for (std::size_t i = 0; i < cubes.size(); ++i) {
-    if (i == 0 || cubes[i].first != cubes[i - 1].first) {
-      clusters.points_mm.emplace_back();
-      clusters.helix_deg.push_back(0), count.push_back(0), helix_count.push_back(0);
-    }
-    const std::size_t n = cubes[i].second;
-    clusters.of_node[n] = static_cast<std::int32_t>(clusters.points_mm.size()) - 1;
-    clusters.points_mm.back() += mesh.nodes_mm[n];
-    count.back() += 1;
-    if (!helix_deg.empty() && std::isfinite(helix_deg[n]))
-      clusters.helix_deg.back() += helix_deg[n], helix_count.back() += 1;
-  }
-  for (std::size_t c = 0; c < count.size(); ++c) {
-    clusters.points_mm[c] = clusters.points_mm[c] / count[c];
-    clusters.helix_deg[c] = helix_count[c] > 0 ? clusters.helix_deg[c] / helix_count[c] : std::nan("");
-  }
-  return clusters;
-}
-
-/// Triangles of one region after clustering, with ids local to the part.
-Part make_part(const BoundaryFaces& boundary, const std::vector<std::int32_t>& region_of_face, std::int32_t region,
-               const Clusters& clusters) {
-  Part part;
-  part.region = region;
-  std::vector<std::int32_t> local(clusters.points_mm.size(), -1);
-  for (std::size_t f = 0; f < boundary.faces.size(); ++f) {
-    if (region_of_face[f] != region) continue;
-    std::array<std::int32_t, 3> ids{};
-    for (std::size_t k = 0; k < 3; ++k) ids[k] = clusters.of_node[static_cast<std::size_t>(boundary.faces[f][k])];
-    if (ids[0] == ids[1] || ids[1] == ids[2] || ids[0] == ids[2]) continue;
-    std::array<std::uint32_t, 3> triangle{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      auto& id = local[static_cast<std::size_t>(ids[k])];
-      if (id < 0) {
-        id = static_cast<std::int32_t>(part.points_mm.size());
-        part.points_mm.push_back(clusters.points_mm[static_cast<std::size_t>(ids[k])]);
-        part.helix_deg.push_back(clusters.helix_deg[static_cast<std::size_t>(ids[k])]);
-      }
-      triangle[k] = static_cast<std::uint32_t>(id);
-    }
-    part.triangles.push_back(triangle);
-  }
-  return part;
-}
-
-double total_area_mm2(const TetMesh& mesh, const BoundaryFaces& boundary) {
-  double area = 0;
-  for (const Face& f : boundary.faces) {
-    const Vec3& a = mesh.nodes_mm[static_cast<std::size_t>(f[0])];
-    area += 0.5 * norm(cross(mesh.nodes_mm[static_cast<std::size_t>(f[1])] - a,
-                             mesh.nodes_mm[static_cast<std::size_t>(f[2])] - a));
-  }
-  return area;
-}
-
-/// The parts of one mesh: the given regions, at most `budget` triangles in all. `skin` merges everything else of the
-/// torso into its outer surface.
-std::vector<Part> mesh_parts(const TetMesh& mesh, const std::vector<MeshFace>& faces,
-                             const std::set<std::int32_t>& regions, bool skin, std::size_t budget,
-                             const std::vector<double>& helix_deg) {
-  std::vector<Part> parts;
-  const auto gather = [&](const BoundaryFaces& boundary, const std::vector<std::int32_t>& region_of_face,
-                          const std::set<std::int32_t>& names, std::size_t limit) {
-    double cube_mm = boundary.faces.size() > limit
-                         ? std::sqrt(2.4 * total_area_mm2(mesh, boundary) / static_cast<double>(limit))
-                         : 0;
-    for (;; cube_mm *= 1.15) {
-      const Clusters clusters = cluster_nodes(mesh, boundary, helix_deg, cube_mm);
-      std::vector<Part> made;
-      std::size_t total = 0;
-      for (const auto region : names) {
-        made.push_back(make_part(boundary, region_of_face, region, clusters));
-        total += made.back().triangles.size();
-      }
-      if (total > limit && cube_mm > 0) continue;
-      for (Part& part : made)
-        if (!part.triangles.empty()) parts.push_back(std::move(part));
-      return;
-    }
-  };
-  std::vector<std::uint8_t> chosen(mesh.cells.size());
-  for (std::size_t c = 0; c < chosen.size(); ++c) chosen[c] = regions.count(mesh.region[c]) > 0;
-  const BoundaryFaces boundary = boundary_faces(mesh, faces, chosen, true);
-  std::vector<std::int32_t> region_of_face;
-  for (const auto c : boundary.cell) region_of_face.push_back(mesh.region[static_cast<std::size_t>(c)]);
-  gather(boundary, region_of_face, regions, budget);
-  if (skin) {
-    const BoundaryFaces outer = boundary_faces(mesh, faces, std::vector<std::uint8_t>(mesh.cells.size(), 1));
-    const std::int32_t torso = tag(Region::torso);
-    gather(outer, std::vector<std::int32_t>(outer.faces.size(), torso), {torso}, budget);
-    if (!parts.empty()) parts.back().glass = true;
-  }
-  return parts;
-}
-
-std::vector<Part> all_parts(const std::map<std::string, TetMesh>& meshes, const FacesOfMeshes& faces,
-                            const ViewerSettings& settings, const std::vector<double>& helix_deg) {
-  std::vector<Part> parts;
-  std::set<std::int32_t> done;
-  for (const char* name : {"myocardium", "chambers", "trachea", "carotid", "torso"}) {
-    const auto found = meshes.find(name);
-    if (found == meshes.end() || found->second.cells.empty()) continue;
-    const TetMesh& mesh = found->second;
-    std::set<std::int32_t> regions;
-    for (const auto region : mesh.region)
-      if (!done.count(region)) regions.insert(region);
-    const bool is_torso = found->first == "torso";
-    if (is_torso) regions.erase(tag(Region::torso));
-    done.insert(regions.begin(), regions.end());
-    const bool is_walls = found->first == "myocardium";
-    const std::size_t budget = is_walls ? settings.heart_triangles : settings.body_triangles;
-    for (Part& part : mesh_parts(mesh, faces.at(found->first), regions, is_torso, budget,
-                                 is_walls ? helix_deg : std::vector<double>{}))
-      parts.push_back(std::move(part));
-  }
-  return parts;
-}
-
-/// Binary blob under construction; every array starts at a multiple of four.
-struct Blob {
-  std::vector<std::uint8_t> bytes;
-
-  std::size_t start() {
-    while (bytes.size() % 4) bytes.push_back(0);
-    return bytes.size();
-  }
-  void append(std::uint64_t value, int width) {
-    for (int b = 0; b < width; ++b) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * b)));
-  }
-};
 
 struct Extent {
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -200,73 +31,145 @@ struct Quantizer {
   Vec3 low;
   double scale_mm = 1;
 
-  void append_points(Blob& blob, const std::vector<Vec3>& points) const {
-    for (const Vec3& p : points)
-      for (int a = 0; a < 3; ++a)
-        blob.append(static_cast<std::uint64_t>(std::clamp(std::lround((p[a] - low[a]) / scale_mm), 0L, 65535L)), 2);
+  void append(Blob& blob, const Vec3& p) const {
+    for (int a = 0; a < 3; ++a)
+      blob.append(static_cast<std::uint64_t>(std::clamp(std::lround((p[a] - low[a]) / scale_mm), 0L, 65535L)), 2);
   }
 };
 
-/// 0: unknown; 1 .. 255: -90 .. 90 degrees.
-std::uint64_t helix_byte(double angle_deg) {
-  if (!std::isfinite(angle_deg)) return 0;
-  return static_cast<std::uint64_t>(1 + std::lround((std::clamp(angle_deg, -90.0, 90.0) + 90) / 180 * 254));
-}
+Json vec_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+Json color_json(const Rgb& c) { return {c.r, c.g, c.b}; }
 
-std::string label_text(std::int32_t region) {
-  if (region == tag(Region::torso)) return "skin";
-  std::string name = region_name(region);
+std::string spaced(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
 }
 
-Json part_json(const Part& part, Blob& blob, const Quantizer& quantizer, bool walls_exist) {
-  Json json;
-  const Rgb color = region_color(part.region);
-  const bool muscle = is_myocardium(static_cast<Region>(part.region));
-  json["label"] = label_text(part.region);
-  json["color"] = {color.r, color.g, color.b};
-  json["muscle"] = muscle;
-  json["glass"] = part.glass;
-  json["shown"] = muscle || !walls_exist;
-  json["vertices"] = part.points_mm.size();
-  json["triangles"] = part.triangles.size();
-  json["positions"] = blob.start();
-  quantizer.append_points(blob, part.points_mm);
-  json["helix"] = blob.start();
-  for (const double h : part.helix_deg) blob.append(helix_byte(h), 1);
-  json["indices"] = blob.start();
-  for (const auto& t : part.triangles)
-    for (const auto id : t) blob.append(id, 4);
-  return json;
+std::string part_name(const ViewPart& part) {
+  if (part.is_valve) return surface_name(part.region);
+  return part.is_glass ? "skin" : region_name(part.region);
 }
 
-Json lines_json(const std::vector<Streamline>& lines, Blob& blob, const Quantizer& quantizer) {
-  Json json;
-  std::size_t vertices = 0;
-  for (const auto& line : lines) vertices += line.points_mm.size();
-  json["lines"] = lines.size();
-  json["vertices"] = vertices;
-  json["positions"] = blob.start();
-  for (const auto& line : lines) quantizer.append_points(blob, line.points_mm);
-  json["helix"] = blob.start();
-  for (const auto& line : lines)
-    for (const double h : line.helix_deg) blob.append(helix_byte(h), 1);
-  json["lengths"] = blob.start();
-  for (const auto& line : lines) blob.append(line.points_mm.size(), 2);
-  return json;
-}
+/// Writes parts and lines; all offsets of the index are into `blob`.
+struct Packer {
+  const std::vector<WallField>& fields;
+  Quantizer quantizer;
+  bool walls_exist;
+  Blob blob{};
 
-std::vector<Streamline> fiber_lines(const TetMesh& walls, const std::vector<double>& helix_deg,
-                                    const ViewerSettings& settings) {
+  Json part(const ViewPart& part) {
+    const bool muscle = !part.is_valve && is_myocardium(static_cast<Region>(part.region));
+    Json json;
+    json["name"] = part_name(part);
+    json["label"] = spaced(part_name(part));
+    json["mesh"] = part.mesh;
+    json["group"] = part.is_valve ? "valves" : muscle ? "muscle" : is_blood_part(part) ? "blood" : "body";
+    json["color"] = color_json(part.is_valve ? surface_color(part.region) : region_color(part.region));
+    json["muscle"] = muscle;
+    json["glass"] = part.is_glass;
+    json["thinned"] = part.is_thinned;
+    json["shown"] = muscle || !walls_exist;
+    json["vertices"] = part.points_mm.size();
+    json["triangles"] = part.triangles.size();
+    json["positions"] = blob.start();
+    for (const Vec3& p : part.points_mm) quantizer.append(blob, p);
+    for (std::size_t f = 0; f < part.fields.size(); ++f) json["fields"][fields[f].id] = bytes(part.fields[f]);
+    json["indices"] = blob.start();
+    for (const auto& t : part.triangles)
+      for (const auto id : t) blob.append(id, 4);
+    json["surface"] = blob.start();
+    for (const auto s : part.surface) blob.append(static_cast<std::uint64_t>(s), 2);
+    json["quality"] = bytes(part.quality_deg);
+    return json;
+  }
+
+  static bool is_blood_part(const ViewPart& part) { return is_blood(static_cast<Region>(part.region)); }
+
+  std::size_t bytes(const std::vector<std::uint8_t>& values) {
+    const auto start = blob.start();
+    blob.bytes.insert(blob.bytes.end(), values.begin(), values.end());
+    return start;
+  }
+
+  /// Polylines: all points, the length of each line, and a byte (0: none) per point.
+  Json lines(const std::vector<std::vector<Vec3>>& polylines, const std::vector<std::uint8_t>& helix) {
+    Json json;
+    std::size_t vertices = 0;
+    for (const auto& line : polylines) vertices += line.size();
+    json["lines"] = polylines.size();
+    json["vertices"] = vertices;
+    json["positions"] = blob.start();
+    for (const auto& line : polylines)
+      for (const Vec3& p : line) quantizer.append(blob, p);
+    json["helix"] = bytes(helix);
+    json["lengths"] = blob.start();
+    for (const auto& line : polylines) blob.append(line.size(), 2);
+    return json;
+  }
+
+  /// On the part's own surface: fibres of a wall, the rim of a valve. Null where there are none.
+  Json part_lines(const ViewPart& part, const ViewerSettings& settings) {
+    std::vector<std::vector<Vec3>> polylines;
+    std::vector<std::uint8_t> helix;
+    const bool has_helix = !fields.empty() && fields[0].id == "helix" && !part.fields.empty();
+    for (auto& line : surface_lines(part, settings.line_spacing_mm, settings.line_length_mm)) {
+      for (const auto n : line.nearest) helix.push_back(has_helix ? part.fields[0][n] : std::uint8_t{0});
+      polylines.push_back(std::move(line.points_mm));
+    }
+    if (part.is_valve)
+      for (const auto& [a, b] : rim_edges(part)) {
+        polylines.push_back({part.points_mm[a], part.points_mm[b]});
+        helix.insert(helix.end(), 2, 0);
+      }
+    return polylines.empty() ? Json(nullptr) : lines(polylines, helix);
+  }
+
+  /// Those inside a wall, for the faces that a cut opens.
+  Json inner_lines(const std::vector<Streamline>& all, const std::vector<std::int32_t>& region_of_node,
+                   std::int32_t region) {
+    const WallField scale{"helix", "", "", -90, 90, {}, {}};
+    std::vector<std::vector<Vec3>> polylines;
+    std::vector<std::uint8_t> helix;
+    for (const Streamline& line : all) {
+      if (region_of_node[static_cast<std::size_t>(line.seed)] != region) continue;
+      for (const double h : line.helix_deg) helix.push_back(byte_of(scale, h));
+      polylines.push_back(line.points_mm);
+    }
+    return polylines.empty() ? Json(nullptr) : lines(polylines, helix);
+  }
+
+  Json grids(const TetMesh& walls) {
+    if (walls.nodes_mm.empty()) return nullptr;
+    const ValueGrid grid = make_value_grid(walls.nodes_mm);
+    Json json = {{"count", grid.count}, {"spacing", grid.spacing_mm}, {"low", vec_json(grid.low_mm)}};
+    for (const WallField& field : fields) {
+      std::vector<std::uint8_t> cubes;
+      for (const double v : grid_values(grid, field.values, field.categories.empty() ? Join::mean : Join::largest))
+        cubes.push_back(byte_of(field, v));
+      json["values"][field.id] = bytes(cubes);
+    }
+    return json;
+  }
+};
+
+/// Lines through the inside of all walls; none without fibres.
+std::vector<Streamline> wall_lines(const TetMesh& walls, const std::vector<WallField>& fields,
+                                   const ViewerSettings& settings) {
   if (walls.node_fibers.fiber.size() != walls.nodes_mm.size() || walls.nodes_mm.empty()) return {};
-  std::vector<std::uint8_t> allowed(walls.nodes_mm.size());
-  for (std::size_t n = 0; n < allowed.size(); ++n) allowed[n] = std::isfinite(helix_deg[n]);
-  const auto seeds = thinned_nodes(walls, allowed, settings.line_spacing_mm);
-  return trace_fibers(walls, seeds, helix_deg, {1.2, settings.line_length_mm});
+  const std::vector<std::uint8_t> all(walls.nodes_mm.size(), 1);
+  const auto seeds = thinned_nodes(walls, all, settings.line_spacing_mm);
+  const bool has_helix = !fields.empty() && fields[0].id == "helix";
+  const std::vector<double> unknown(has_helix ? 0 : walls.nodes_mm.size(), std::nan(""));
+  return trace_fibers(walls, seeds, has_helix ? fields[0].values : unknown, {1.2, settings.line_length_mm});
 }
 
-Json vec_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+/// Of one of its cells.
+std::vector<std::int32_t> regions_of_nodes(const TetMesh& mesh) {
+  std::vector<std::int32_t> region(mesh.nodes_mm.size(), 0);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    for (const auto n : mesh.cells[c]) region[static_cast<std::size_t>(n)] = mesh.region[c];
+  return region;
+}
 
 /// What the view turns around: the walls of the heart where there are any.
 struct Framing {
@@ -275,72 +178,90 @@ struct Framing {
   double radius_mm = 1;
 };
 
-Framing frame_parts(const std::vector<Part>& parts, bool has_walls) {
+Framing frame_parts(const std::vector<ViewPart>& parts, bool has_walls) {
   Framing framing;
   Extent focus;
-  const auto in_focus = [&](const Part& part) { return !has_walls || is_myocardium(static_cast<Region>(part.region)); };
-  for (const Part& part : parts)
+  const auto in_focus = [&](const ViewPart& part) {
+    return !has_walls || (!part.is_valve && is_myocardium(static_cast<Region>(part.region)));
+  };
+  for (const ViewPart& part : parts)
     for (const Vec3& p : part.points_mm) {
       framing.all.add(p);
       if (in_focus(part)) focus.add(p);
     }
   framing.center_mm = focus.middle();
-  for (const Part& part : parts)
+  for (const ViewPart& part : parts)
     if (in_focus(part))
       for (const Vec3& p : part.points_mm) framing.radius_mm = std::max(framing.radius_mm, norm(p - framing.center_mm));
   return framing;
 }
 
-/// Null without fibres.
-Json angles_json(const TetMesh& walls, const std::vector<double>& helix_deg, Blob& blob) {
-  const AngleGrid angles = angle_grid(walls, helix_deg);
-  if (angles.angle_deg.empty()) return nullptr;
-  Json json = {{"count", angles.count}, {"spacing", angles.spacing_mm}, {"low", vec_json(angles.low_mm)}};
-  json["values"] = blob.start();
-  for (const double angle : angles.angle_deg) blob.append(helix_byte(angle), 1);
+Json fields_json(const std::vector<WallField>& fields) {
+  Json json = Json::array();
+  for (const WallField& f : fields)
+    json.push_back({{"id", f.id},
+                    {"title", f.title},
+                    {"unit", f.unit},
+                    {"low", f.low},
+                    {"high", f.high},
+                    {"categories", f.categories}});
+  return json;
+}
+
+/// Names and colours of the surfaces that the parts have.
+Json surfaces_json(const std::vector<ViewPart>& parts) {
+  std::set<std::int32_t> tags;
+  for (const ViewPart& part : parts) tags.insert(part.surface.begin(), part.surface.end());
+  tags.erase(0);
+  Json json = Json::array();
+  for (const auto tag : tags)
+    json.push_back({{"tag", tag},
+                    {"name", surface_name(tag)},
+                    {"label", spaced(surface_name(tag))},
+                    {"color", color_json(surface_color(tag))}});
   return json;
 }
 
 }  // namespace
 
-ViewerData viewer_data(const std::map<std::string, TetMesh>& meshes, const ViewerSettings& settings) {
-  const auto faces = faces_of_meshes(meshes);
-  const auto walls = meshes.find("myocardium");
-  return viewer_data(
-      meshes, faces,
-      walls == meshes.end() ? std::vector<double>{} : helix_angle_per_node(walls->second, faces.at("myocardium")),
-      settings);
-}
-
 ViewerData viewer_data(const std::map<std::string, TetMesh>& meshes, const FacesOfMeshes& faces,
-                       const std::vector<double>& helix_deg, const ViewerSettings& settings) {
+                       const std::vector<WallField>& fields, const ViewerSettings& settings) {
   const auto found = meshes.find("myocardium");
   const TetMesh none;
   const TetMesh& walls = found == meshes.end() ? none : found->second;
-  const auto parts = all_parts(meshes, faces, settings, helix_deg);
+  const bool has_walls = !walls.cells.empty();
   ViewerData data;
+  const auto parts = view_parts(meshes, faces, fields, settings);
   if (parts.empty()) return data;
   data.empty = false;
-  const Framing framing = frame_parts(parts, !walls.cells.empty());
+  const Framing framing = frame_parts(parts, has_walls);
   const Vec3 size = framing.all.high - framing.all.low;
-  const Quantizer quantizer{framing.all.low, std::max({size.x, size.y, size.z, 1.0}) / 65535};
-  Blob blob;
+  const double scale_mm = std::max({size.x, size.y, size.z, 1.0}) / 65535;
+  Packer packer{fields, {framing.all.low, scale_mm}, has_walls};
+  const auto inner = wall_lines(walls, fields, settings);
+  const auto region_of_node = regions_of_nodes(walls);
   Json index;
-  for (const Part& part : parts) index["parts"].push_back(part_json(part, blob, quantizer, !walls.cells.empty()));
-  const auto lines = fiber_lines(walls, helix_deg, settings);
-  if (!lines.empty()) index["lines"] = lines_json(lines, blob, quantizer);
-  if (const Json angles = angles_json(walls, helix_deg, blob); !angles.empty()) index["angles"] = angles;
+  for (const ViewPart& part : parts) {
+    Json json = packer.part(part);
+    json["lines"] = packer.part_lines(part, settings);
+    if (!part.fields.empty()) json["inner"] = packer.inner_lines(inner, region_of_node, part.region);
+    data.has_fibers |= !part.is_valve && !json["lines"].is_null();
+    data.has_valves |= part.is_valve;
+    index["parts"].push_back(std::move(json));
+  }
+  if (has_walls) index["grids"] = packer.grids(walls);
+  index["fields"] = fields_json(fields);
+  index["surfaces"] = surfaces_json(parts);
   const HeartFrame frame = heart_frame(walls);
   const Vec3 toward = normalized(cross(-frame.to_right, frame.axis));
   index["chambersView"] = {vec_json(-frame.to_right), vec_json(frame.axis), vec_json(toward)};
   index["low"] = vec_json(framing.all.low);
-  index["scale"] = quantizer.scale_mm;
+  index["scale"] = scale_mm;
   index["center"] = vec_json(framing.center_mm);
   index["radius"] = framing.radius_mm;
   index["reach"] = norm(size);
   data.index_json = index.dump();
-  data.data_base64 = base64(blob.bytes.data(), blob.bytes.size());
-  data.has_fibers = !lines.empty();
+  data.data_base64 = deflated_base64(packer.blob.bytes);
   return data;
 }
 

@@ -1,4 +1,4 @@
-// The surfaces and fibre lines of the report's 3D view, small enough for a web page.
+// The data of the report's 3D view, small enough for a web page.
 #pragma once
 #include <map>
 #include <string>
@@ -6,30 +6,22 @@
 
 #include "model/tet_mesh.hpp"
 #include "validation/mesh_topology.hpp"
+#include "validation/view_surfaces.hpp"
+#include "validation/wall_fields.hpp"
 
 namespace heart::validation {
 
 struct ViewerData {
-  std::string index_json;   ///< parts, colours and where their arrays start
-  std::string data_base64;  ///< little-endian arrays: uint16 positions, uint8 helix angles, uint32 triangles
+  std::string index_json;   ///< parts, fields, colours, and where their arrays start
+  std::string data_base64;  ///< deflated little-endian arrays: uint16 positions, uint8 fields, uint32 triangles
   bool has_fibers = false;
+  bool has_valves = false;
   bool empty = true;  ///< nothing to show
 };
 
-struct ViewerSettings {
-  std::size_t heart_triangles = 150000;  ///< at most, by clustering of vertices
-  std::size_t body_triangles = 60000;
-  double line_spacing_mm = 3;
-  double line_length_mm = 14;
-};
-
-/// Closed surface of every region; the torso's skin is glass. Meshes: "myocardium", "chambers", "trachea", "carotid",
-/// "torso"; a region is taken from the first of these that has it.
-ViewerData viewer_data(const std::map<std::string, TetMesh>& meshes, const ViewerSettings& settings = {});
-
-/// The same where they are there already: `faces` of each of these meshes, `helix_deg` of the myocardium's nodes (from
-/// helix_angle_per_node; empty without a myocardium).
+/// Surfaces of view_parts, lines along the fibres on them and inside the walls, and the fields on a grid for cuts.
+/// `fields` from wall_fields; none without a myocardium.
 ViewerData viewer_data(const std::map<std::string, TetMesh>& meshes, const FacesOfMeshes& faces,
-                       const std::vector<double>& helix_deg, const ViewerSettings& settings = {});
+                       const std::vector<WallField>& fields, const ViewerSettings& settings = {});
 
 }  // namespace heart::validation

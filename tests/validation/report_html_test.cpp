@@ -1,13 +1,23 @@
 #include "validation/report_html.hpp"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
 #include <regex>
 
 #include "model/labels.hpp"
 #include "synthetic_heart.hpp"
+#include "validation/glossary.hpp"
 #include "validation/html_text.hpp"
+#include "validation/pictures.hpp"
+#include "validation/quantiles.hpp"
 #include "validation/report_tables.hpp"
+#include "validation/slice_data.hpp"
+#include "validation/surface_lines.hpp"
+#include "validation/value_grid.hpp"
 #include "validation/viewer_data.hpp"
 
 namespace heart::validation {
@@ -55,43 +65,111 @@ TEST(ReportHtml, IsSelfContainedEscapedAndTheSameTwice) {
   EXPECT_EQ(html.find("<script>alert"), std::string::npos);
   EXPECT_NE(html.find("ct: a&lt;b.nii.gz"), std::string::npos);
   EXPECT_EQ(count_of(html, "data:image/png;base64,"), count_of(html, "<img"));
-  EXPECT_GE(count_of(html, "<img"), 7u + 4u + 2u);  // slices, mesh, fibres
-  for (const char* section : {"id=\"view\"", "id=\"image\"", "id=\"meshes\"", "id=\"fibres\"", "id=\"certificate\""})
+  for (const char* section : {"id=\"view\"", "id=\"image\"", "id=\"charts\"", "id=\"certificate\"", "id=\"methods\"",
+                              "id=\"model-data\"", "id=\"image-data\""})
     EXPECT_EQ(count_of(html, section), 1u) << section;
 }
 
-TEST(ReportHtml, TheVerdictFollowsTheRows) {
-  Example example;
-  example.input.meshes = nullptr, example.input.labels = nullptr, example.input.ct = nullptr;
-  EXPECT_NE(make_report(example.input).find("All 1 checks passed"), std::string::npos);
-  example.certificate.rows[0].value = 4;
-  const std::string failed = make_report(example.input);
-  EXPECT_NE(failed.find("1 of 1 checks failed"), std::string::npos);
-  EXPECT_NE(failed.find("class=\"fail\""), std::string::npos);
-  example.certificate.rows.clear();
-  EXPECT_NE(make_report(example.input).find("Nothing was judged"), std::string::npos);
+/// Without pictures: what the certificate alone makes of the page.
+struct Told : Example {
+  Told() { input.meshes = nullptr, input.labels = nullptr, input.ct = nullptr; }
+  std::string html() const { return make_report(input); }
+};
+
+void expect_all(const std::string& html, std::initializer_list<const char*> texts) {
+  for (const char* text : texts) EXPECT_NE(html.find(text), std::string::npos) << text;
+}
+
+TEST(ReportHtml, TheVerdictFollowsTheCertificate) {
+  Told example;
+  Certificate& certificate = example.certificate;
+  expect_all(example.html(), {"This model passes its certificate.", "Of 1 judged measures none fails and none warns"});
+  certificate.rows[0].warn_below = 50;
+  expect_all(example.html(),
+             {"passes its certificate, with warnings", "0 fail and 1 warns", "What fails and what warns"});
+  certificate.rows[0].value = 4;
+  expect_all(example.html(), {"This model fails its certificate.", "1 fails and 0 warn", "class=\"fail\""});
+  certificate.rows[0].value = 60;
+  certificate.warnings = {{"landmarks.doubtful", WarningLevel::doubt, "The heart may be a spine."}};
+  expect_all(example.html(),
+             {"This model may be wrong as a whole.", "The heart may be a spine.", "landmarks.doubtful"});
+  certificate = {};
+  expect_all(example.html(), {"Nothing was judged."});
+}
+
+TEST(ReportHtml, OpensWithDoubtsThenWarningsThenUses) {
+  Told example;
+  example.certificate.warnings = {{"a.note", WarningLevel::note, "Good to know."},
+                                  {"b.warning", WarningLevel::warning, "Check <this>."},
+                                  {"c.doubt", WarningLevel::doubt, "Perhaps no heart."}};
+  example.certificate.uses = {
+      {"eikonal", Fitness::fit, true, {}, ""},
+      {"blood_flow", Fitness::unfit, false, {"The aorta has no orifice."}, "mesh.meshes = [\"chambers\"]"}};
+  const std::string html = example.html();
+  expect_all(html, {"Fit for eikonal activation; unfit for blood flow.", "Check &lt;this&gt;.", "asked for",
+                    "The aorta has no orifice.", "mesh.meshes = [&quot;chambers&quot;]"});
+  const auto at = [&](const char* text) { return html.find(text); };
+  EXPECT_LT(at("Fit for eikonal"), at("Perhaps no heart."));
+  EXPECT_LT(at("Perhaps no heart."), at("Check &lt;this&gt;."));
+  EXPECT_LT(at("Check &lt;this&gt;."), at("The aorta has no orifice."));
 }
 
 TEST(ReportHtml, SaysWhatIsSyntheticOrMissing) {
+  Told example;
+  EXPECT_EQ(example.html().find("not a patient"), std::string::npos);
+  example.certificate.warnings = {{"image.synthetic", WarningLevel::note, "An analytic phantom."}};
+  expect_all(example.html(),
+             {"phantom: a synthetic image, not a patient", "no mesh of the myocardium", "no label map"});
+}
+
+TEST(ReportHtml, FlaggedRowsTellWhyAndLeadToTheirPlace) {
   Example example;
-  example.input.meshes = nullptr;
-  example.certificate.warnings = {{"image.fov", WarningLevel::warning, "The field of view cuts <both> arms."}};
+  ReportRow row{"mesh", "myocardium/lv_myocardium", "dihedral_min", 3, "deg", 30, {}};
+  row.reason = "The mesher guarantees <30> degrees.";
+  example.certificate.rows = {row, {"fibers", "atlas", "jacobian_min", -1, "1", 0, {}}};
   const std::string html = make_report(example.input);
-  for (const char* note : {"cuts &lt;both&gt; arms", "no mesh of the myocardium"})
-    EXPECT_NE(html.find(note), std::string::npos) << note;
+  expect_all(html, {"data-show=\"lv_myocardium\" data-color=\"quality\"", "guarantees &lt;30&gt; degrees",
+                    "data-term=\"dihedral_min\"", "id=\"term-dihedral_min\"", "id=\"term-jacobian_min\""});
+  EXPECT_EQ(count_of(html, "data-show=\""), 1u) << "the view cannot show an atlas";
+}
+
+TEST(ReportHtml, ManyFlaggedRowsAreFolded) {
+  Told example;
+  example.certificate.rows.assign(30, {"mesh", "myocardium", "dihedral_min", 3, "deg", 30, {}});
+  expect_all(example.html(), {"24 more"});
 }
 
 TEST(ReportHtml, WorksFromABundleWithoutTheImage) {
   Example example;
   example.input.ct = nullptr, example.input.meshes = nullptr;
-  const std::string html = make_report(example.input);
-  EXPECT_NE(html.find("id=\"image\""), std::string::npos);
-  EXPECT_NE(html.find("not part of a bundle"), std::string::npos);
+  expect_all(make_report(example.input), {"id=\"image\"", "not part of a bundle"});
 }
 
 TEST(ReportHtml, WorksWithNothingAtAll) {
   const std::string html = make_report({});
   EXPECT_NE(html.find("</html>"), std::string::npos);
+}
+
+TEST(ReportHtml, TheMethodsNameWhatWasUsed) {
+  Example example;
+  example.input.tools = {{"heartgen", "9.8.7"}};
+  auto& sources = example.meshes["myocardium"].fiber_source;
+  expect_all(make_report(example.input), {"made with heartgen 9.8.7", "carried from the atlas &quot;atlas &amp; fibres",
+                                          "segmented in the CT", "Streeter 1969", "Rousseau 2009"});
+  EXPECT_EQ(make_report(example.input).find("Piersanti"), std::string::npos);
+  sources.assign(sources.size(), static_cast<std::uint8_t>(FiberSource::rule));
+  const std::string by_rule = make_report(example.input);
+  expect_all(by_rule, {"Piersanti 2021"});
+  EXPECT_EQ(by_rule.find("carried from the atlas"), std::string::npos);
+}
+
+TEST(Glossary, ExplainsMetricsWithTheirStatistics) {
+  EXPECT_NE(meaning_of("dihedral_min").find("two faces of a tetrahedron"), std::string::npos);
+  EXPECT_NE(meaning_of("dihedral_min").find("smallest of all"), std::string::npos);
+  EXPECT_NE(meaning_of("to_labels_p99_in_edges").find("units of the edges"), std::string::npos);
+  EXPECT_NE(meaning_of("to_labels_p99_in_edges").find("99 %"), std::string::npos);
+  EXPECT_NE(meaning_of("edge_found").find("image has an edge"), std::string::npos) << "not the edges of tetrahedra";
+  EXPECT_EQ(meaning_of("nobody_knows"), "");
 }
 
 TEST(ReportTables, NumbersForPeople) {
@@ -111,12 +189,16 @@ TEST(HtmlText, Base64AndEscapes) {
   EXPECT_EQ(escaped("<a href='x'>&\x01"), "&lt;a href=&#39;x&#39;&gt;&amp; ");
 }
 
+std::vector<WallField> fields_of(const TetMesh& walls) { return wall_fields(walls, helix_angle_per_node(walls)); }
+
 TEST(ViewerData, KeepsWithinTheBudget) {
   const Example example;
+  const auto faces = faces_of_meshes(example.meshes);
+  const auto fields = fields_of(example.meshes.at("myocardium"));
   ViewerSettings settings;
-  const auto full = viewer_data(example.meshes, settings);
+  const auto full = viewer_data(example.meshes, faces, fields, settings);
   settings.heart_triangles = 400;
-  const auto small = viewer_data(example.meshes, settings);
+  const auto small = viewer_data(example.meshes, faces, fields, settings);
   const auto triangles = [](const std::string& json) {
     std::size_t sum = 0;
     const std::regex number("\"triangles\":(\\d+)");
@@ -127,7 +209,134 @@ TEST(ViewerData, KeepsWithinTheBudget) {
   EXPECT_LE(triangles(small.index_json), 400u);
   EXPECT_GT(triangles(small.index_json), 100u);
   EXPECT_TRUE(full.has_fibers);
-  EXPECT_TRUE(viewer_data({}, settings).empty);
+  EXPECT_TRUE(viewer_data({}, {}, {}, settings).empty);
+}
+
+TEST(WallFields, ThicknessIsTheWalls) {
+  const Example example;
+  const TetMesh& walls = example.meshes.at("myocardium");
+  const auto fields = fields_of(walls);
+  const auto thickness =
+      std::find_if(fields.begin(), fields.end(), [](const WallField& f) { return f.id == "thickness"; });
+  ASSERT_NE(thickness, fields.end());
+  std::vector<double> left;
+  for (std::size_t n = 0; n < walls.nodes_mm.size(); ++n) {
+    const Vec3& p = walls.nodes_mm[n];
+    const bool is_free_wall = p.x > 18 && std::abs(p.y) < 12 && p.z > -5 && p.z < 10;
+    if (is_free_wall && std::isfinite(thickness->values[n])) left.push_back(thickness->values[n]);
+  }
+  ASSERT_GT(left.size(), 10u);
+  EXPECT_NEAR(quantile(left, 0.5), 10, 2.5) << "the ellipsoids are 10 mm apart, in voxels of 5 mm";
+}
+
+TEST(WallFields, BytesSpanTheScale) {
+  const WallField field{"x", "", "", -90, 90, {}, {}}, source{"s", "", "", 0, 2, {}, {"a", "b", "c"}};
+  EXPECT_EQ(byte_of(field, std::nan("")), 0);
+  EXPECT_EQ(byte_of(field, -90), 1);
+  EXPECT_EQ(byte_of(field, 0), 128);
+  EXPECT_EQ(byte_of(field, 500), 255);
+  EXPECT_EQ(byte_of(source, 2), 3);
+}
+
+/// A flat square of n × n cells of 1 mm, axes at an angle to x.
+ViewPart square(std::uint32_t n, double angle_deg) {
+  ViewPart part;
+  const double a = angle_deg * 3.14159265358979 / 180;
+  for (std::uint32_t j = 0; j <= n; ++j)
+    for (std::uint32_t i = 0; i <= n; ++i) {
+      part.points_mm.push_back({double(i), double(j), 0});
+      // Axes have no sign.
+      part.fibers.push_back(((i + j) % 2 ? -1.0 : 1.0) * Vec3{std::cos(a), std::sin(a), 0});
+    }
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t v = j * (n + 1) + i;
+      part.triangles.push_back({v, v + 1, v + n + 2});
+      part.triangles.push_back({v, v + n + 2, v + n + 1});
+    }
+  return part;
+}
+
+TEST(SurfaceLines, FollowTheAxesToTheirLength) {
+  const ViewPart part = square(20, 25);
+  const auto lines = surface_lines(part, 3, 6);
+  ASSERT_GT(lines.size(), 30u);
+  double longest = 0;
+  for (const SurfaceLine& line : lines) {
+    ASSERT_EQ(line.points_mm.size(), line.nearest.size());
+    const Vec3 way = line.points_mm.back() - line.points_mm.front();
+    EXPECT_NEAR(std::abs(std::atan2(way.y, way.x)) * 180 / 3.14159265358979, way.x > 0 ? 25 : 155, 1e-6);
+    longest = std::max(longest, norm(way));
+  }
+  EXPECT_NEAR(longest, 6, 1e-9);
+}
+
+TEST(SurfaceLines, NoneWhereAxesLeaveTheSurface) {
+  ViewPart part = square(6, 0);
+  for (Vec3& axis : part.fibers) axis = {0.1, 0, 1};
+  EXPECT_TRUE(surface_lines(part, 2, 6).empty());
+  part.fibers.clear();
+  EXPECT_TRUE(surface_lines(part, 2, 6).empty());
+}
+
+TEST(ViewSurfaces, TheRimOfASquareIsItsFourSides) { EXPECT_EQ(rim_edges(square(5, 0)).size(), 20u); }
+
+TEST(ValueGrid, JoinsNodesOfACubeAndFillsTwoCubesAround) {
+  const std::vector<Vec3> nodes = {{0, 0, 0}, {0.5, 0.5, 0.5}, {9, 0, 0}};
+  const ValueGrid grid = make_value_grid(nodes);
+  const auto mean = grid_values(grid, {10, 30, 50}, Join::mean), largest = grid_values(grid, {1, 3, 2}, Join::largest);
+  const auto at = static_cast<std::size_t>(grid.cube[0]);
+  EXPECT_EQ(grid.cube[0], grid.cube[1]);
+  EXPECT_DOUBLE_EQ(mean[at], 20);
+  EXPECT_DOUBLE_EQ(largest[at], 3);
+  EXPECT_DOUBLE_EQ(mean[at - 2], 20);
+  EXPECT_TRUE(std::isfinite(mean[at + 2]));
+}
+
+std::vector<std::uint8_t> unpacked(const std::string& base64_text, std::size_t bytes) {
+  std::vector<std::uint8_t> packed, data(bytes);
+  std::uint32_t bits = 0;
+  int count = 0;
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (const char c : base64_text) {
+    if (c == '=') break;
+    bits = bits << 6 | static_cast<std::uint32_t>(digits.find(c));
+    if ((count += 6) >= 8) packed.push_back(static_cast<std::uint8_t>(bits >> (count -= 8)));
+  }
+  uLongf size = bytes;
+  EXPECT_EQ(uncompress(data.data(), &size, packed.data(), packed.size()), Z_OK);
+  EXPECT_EQ(size, bytes);
+  return data;
+}
+
+TEST(SliceData, HoldsTheHeartWithinItsLimit) {
+  const Example example;
+  const SliceData data = slice_data(&example.ct, example.labels, 4000);
+  ASSERT_TRUE(data.has_ct);
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(data.index_json, found, std::regex("\"size\":\\[(\\d+),(\\d+),(\\d+)\\]")));
+  const std::size_t nx = std::stoul(found[1]), voxels = nx * std::stoul(found[2]) * std::stoul(found[3]);
+  EXPECT_LE(voxels, 4000u);
+  EXPECT_GT(voxels, 500u);
+  const std::size_t labels_at = (voxels + 3) / 4 * 4;
+  auto bytes = unpacked(data.data_base64, labels_at + voxels);
+  for (std::size_t v = 0; v < voxels; ++v)
+    if (v % nx) bytes[v] = static_cast<std::uint8_t>(bytes[v] + bytes[v - 1]);
+  double blood = 0, muscle = 0, bloods = 0, muscles = 0;
+  for (std::size_t v = 0; v < voxels; ++v) {
+    const auto region = static_cast<Region>(bytes[labels_at + v]);
+    if (is_blood(region)) blood += bytes[v], bloods += 1;
+    if (is_myocardium(region)) muscle += bytes[v], muscles += 1;
+  }
+  ASSERT_GT(bloods, 0);
+  ASSERT_GT(muscles, 0);
+  EXPECT_GT(blood / bloods, muscle / muscles + 20) << "300 HU against 100 HU";
+}
+
+TEST(SliceData, NothingWithoutLabels) {
+  const Example example;
+  EXPECT_TRUE(slice_data(nullptr, LabelVolume(example.labels.grid)).empty);
+  EXPECT_FALSE(slice_data(nullptr, example.labels).has_ct);
 }
 
 }  // namespace

@@ -2,12 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
+#include <vector>
+
 #include "exporters/bundle_texts.hpp"
 #include "exporters/certificate_json.hpp"
 #include "exporters/files.hpp"
 #include "exporters/manifest.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
+#include "generator/parallel/tasks.hpp"
 #include "model/error.hpp"
 #include "model/feature_curves.hpp"
 #include "model/labels.hpp"
@@ -21,14 +26,30 @@ namespace fs = std::filesystem;
 
 constexpr std::int32_t rim_tag_base = 1000;
 
-void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
-  for (const auto& [name, mesh] : bundle.meshes) {
-    adapters::write_vtu(folder / manifest.meshes.at(name).file, mesh);
-    adapters::write_vtp(folder / manifest.meshes.at(name).surface_file, mesh);
-    adapters::write_curves(folder / manifest.meshes.at(name).curve_file, mesh, feature_curves(mesh));
+/// Compression takes most of the time: on all threads, the largest files first.
+void write_meshes(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
+  std::vector<std::pair<std::size_t, std::function<void()>>> files;
+  for (const auto& [name, named] : bundle.meshes) {
+    const TetMesh* mesh = &named;
+    const auto& entry = manifest.meshes.at(name);
+    files.emplace_back(named.cells.size(), [mesh, path = folder / entry.file] { adapters::write_vtu(path, *mesh); });
+    files.emplace_back(named.faces.size(),
+                       [mesh, path = folder / entry.surface_file] { adapters::write_vtp(path, *mesh); });
+    files.emplace_back(named.faces.size(), [mesh, path = folder / entry.curve_file] {
+      adapters::write_curves(path, *mesh, feature_curves(*mesh));
+    });
   }
   if (!bundle.labels.voxels.empty())
-    adapters::write_volume((folder / "images" / "labels.nii.gz").string(), bundle.labels);
+    files.emplace_back(bundle.labels.voxels.size(),
+                       [&] { adapters::write_volume((folder / "images" / "labels.nii.gz").string(), bundle.labels); });
+  std::ranges::stable_sort(files, std::greater<>(), &std::pair<std::size_t, std::function<void()>>::first);
+  std::vector<std::function<void()>> tasks;
+  for (auto& [size, write] : files) tasks.push_back(std::move(write));
+  parallel::run_tasks(tasks);
+}
+
+void write_files(const Bundle& bundle, const Manifest& manifest, const fs::path& folder) {
+  write_meshes(bundle, manifest, folder);
   write_text(folder / "recipe.toml", bundle.recipe);
   write_text(folder / "validation" / "metrics.json", certificate_json(bundle.certificate));
   write_text(folder / "validation" / "report.html", bundle.report_html);

@@ -215,7 +215,7 @@ struct TorsoSettings {
 struct MeshSettings {
   std::string backend = "lattice";  // of the heart and the torso: "lattice", "distmesh", "cgal" or "tetgen"
   std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
-  double heart_edge_mm = 1.8;          // edge length in the walls of the heart
+  double heart_edge_mm = 1.5;          // edge length in the walls of the heart
   int wall_layers = 0;                 // edges from side to side of a thin wall, about; 0: any
   std::vector<double> resolutions_mm;  // further edge lengths, each for one more mesh of the walls alone
   double blood_edge_mm = 4;            // in the chambers, away from the walls

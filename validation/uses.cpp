@@ -15,9 +15,9 @@ struct Demand {
   const char* scope;
   const char* metric;
   std::optional<double> warn_above, unfit_above;
-  const char* why;             ///< with its source
-  const char* remedy;          ///< what mends it
-  bool is_resolution = false;  ///< about the length of edges, which one chooses for a use
+  const char* why;         ///< with its source
+  const char* remedy;      ///< what mends it
+  bool is_choice = false;  ///< the recipe's edges or the scan decide: a use that is not asked for may lack it
 };
 
 struct Use {
@@ -53,7 +53,7 @@ std::vector<Use> all_uses() {
        "torso",
        false,
        {{"torso", "fov_cut_share", 0.6, 0.8, "electrodes need skin where the image ends",
-         "Use a scan of the whole chest, or another patient's under [torso]."}}},
+         "Use a scan of the whole chest, or another patient's under [torso].", true}}},
       {"blood_flow",
        "chambers",
        false,
@@ -62,7 +62,8 @@ std::vector<Use> all_uses() {
          {},
          0.5,
          "a chamber without an outlet holds no flow",
-         "Give labels of the great vessels, or the CT too."},
+         "Give labels of the great vessels, or the CT too.",
+         true},
         {"chambers", "edge_mean", 1.5, 2.5, "flow in ventricles is resolved at edges of 1 mm and below (Chnafa 2014)",
          "Set mesh.blood_edge_mm = 1.", true}}},
       {"finite_volumes", "myocardium", true, {}},
@@ -99,7 +100,7 @@ bool speaks_of(const Demand& demand, const Use& use, const ReportRow& row) {
 /// A verdict in the making; its worst finding counts.
 struct Finding {
   UseVerdict verdict;
-  bool is_too_coarse = false;
+  bool is_out_of_reach = false;  ///< by choice
 
   void add(Fitness fitness, std::string reason, const char* remedy = "") {
     if (fitness > verdict.fitness) verdict.remedy = remedy;
@@ -112,7 +113,7 @@ void apply_demand(const Demand& demand, const ReportRow& row, Finding& finding) 
   const bool unfit = demand.unfit_above && row.value > *demand.unfit_above;
   const bool warns = demand.warn_above && row.value > *demand.warn_above;
   if (!unfit && !warns) return;
-  finding.is_too_coarse |= unfit && demand.is_resolution;
+  finding.is_out_of_reach |= unfit && demand.is_choice;
   finding.add(unfit ? Fitness::unfit : Fitness::fit_with_warnings, fmt::format("{}: {}.", described(row), demand.why),
               demand.remedy);
 }
@@ -136,8 +137,12 @@ Finding judge(const Use& use, const Report& rows, const std::vector<Warning>& wa
   for (const auto& demand : use.demands)
     for (const auto& row : rows)
       if (speaks_of(demand, use, row)) apply_demand(demand, row, finding);
+  const auto is_demanded = [&](const ReportRow& row) {
+    return std::any_of(use.demands.begin(), use.demands.end(),
+                       [&](const Demand& demand) { return speaks_of(demand, use, row); });
+  };
   for (const auto& row : rows)
-    if (row.verdict() == Verdict::warned && concerns(row, use))
+    if (row.verdict() == Verdict::warned && concerns(row, use) && !is_demanded(row))
       finding.add(Fitness::fit_with_warnings, described(row) + ".");
   for (const auto& warning : warnings)
     if (warning.level == WarningLevel::warning && concerns(warning, use))
@@ -172,7 +177,7 @@ std::vector<UseVerdict> judge_uses(const Report& rows, const std::vector<Warning
       continue;
     }
     auto finding = judge(use, rows, warnings);
-    finding.verdict.is_asked = asked.empty() ? !finding.is_too_coarse : contains(asked, use.name);
+    finding.verdict.is_asked = asked.empty() ? !finding.is_out_of_reach : contains(asked, use.name);
     verdicts.push_back(std::move(finding.verdict));
   }
   return verdicts;

@@ -14,6 +14,7 @@
 #include "generator/mesh/curves.hpp"
 #include "generator/mesh/distmesh_cells.hpp"
 #include "generator/mesh/domain.hpp"
+#include "generator/mesh/floating_walls.hpp"
 #include "generator/mesh/improve.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/mesh/own_edges.hpp"
@@ -99,6 +100,17 @@ adapters::LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<fl
   improve(cells.nodes_mm, cells.cells, cells.label, beyond_border, {});
   flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
   return cells;
+}
+
+/// What floats takes the label around it; where that leaves a boundary that touches itself, a few cells more change.
+void join_walls(adapters::LabelledCells& cells) {
+  constexpr int most_rounds = 4;  // what one step mends, the other may break again
+  const auto sets = manifold_sets();
+  for (int round = 0; round < most_rounds; ++round) {
+    if (absorb_floating_walls(cells.nodes_mm, cells.cells, cells.label, sets[1]) == 0) return;
+    settle_labels(cells.nodes_mm, cells.cells, cells.label, sets, 0);
+    cells.is_on_surface.clear();
+  }
 }
 
 void add_orifice_rims(TetMesh& mesh) {
@@ -203,6 +215,7 @@ TetMesh mesh_domain(const MeshDomain& domain, const MeshSettings& settings, Latt
                : settings.backend == "tetgen"   ? tetgen_cells(domain, sizes, manifold_sets(), crumb_cells, report)
                : settings.backend == "distmesh" ? distmesh_cells(domain, sizes, manifold_sets(), crumb_cells, report)
                                                 : lattice_cells(domain, sizes, manifold_sets(), crumb_cells, report);
+  join_walls(cells);
   sort_cells(cells.nodes_mm, cells.cells, cells.label);
   auto mesh = assemble(
       cells, [](std::int32_t label) { return label > 0 && label < beyond_border; }, surface_of);

@@ -138,6 +138,17 @@ function addPanel(viewer, panel) {
     viewer.markPlace(lps);
     return lps;
   }
+  /// e.g. report.html#view=chambers&cut=chambers&color=helix&fibers=plain
+  function readAddress() {
+    const wanted = new URLSearchParams(location.hash.slice(1));
+    for (const control of [color, fibers, edges, cut]) {
+      if (![...control.options].some((option) => option.value === wanted.get(control.name))) continue;
+      control.value = wanted.get(control.name);
+      control.dispatchEvent(new Event("input"));
+    }
+    if (viewer.views[wanted.get("view")]) show(wanted.get("view"));
+  }
   refresh();
-  return { refresh, showFacts, show };
+  readAddress();
+  return { refresh, showFacts };
 }

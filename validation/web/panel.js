@@ -56,7 +56,7 @@ function addPanel(viewer, panel) {
   const slider = element("input", { type: "range", name: "cutAt", step: "0.5" });
   slider.setAttribute("aria-label", "place of the cut");
   const place = element("output"), legend = element("div", { className: "legend3d" }), facts = element("div", { className: "facts", hidden: true });
-  const flip = button("other side", () => {
+  const flip = button("flip", () => {
     state.isFlipped = !state.isFlipped;
     viewer.redraw();
   });

@@ -25,7 +25,7 @@ constexpr std::array terms = {
     Term{"boundary_non_manifold_vertices", "Vertices where several sheets of the boundary touch in a point only."},
     Term{"boundary_open_edges", "Edges that an odd number of boundary faces share: the surface has a hole there."},
     Term{"cavities", "Hollows inside a region that nothing connects with its outside."},
-    Term{"cell_jump", "Angle between the fibres of two corners of a cell."},
+    Term{"cell_jump", "Angle between the fibres of neighbouring cells."},
     Term{"cell_volume", "Volume of a tetrahedron."},
     Term{"cells", "Number of tetrahedra."},
     Term{"compared_fraction", "Share of the reference's voxels where both sides have a fibre."},

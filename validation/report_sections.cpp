@@ -136,11 +136,11 @@ Pieces charts_section(const ReportInput& input, const Shared& shared) {
     pieces.emplace_back([&input, walls] { return helix_profiles(input, *walls); });
     pieces.emplace_back([&shared] { return helix_histogram(*shared.helix_deg()); });
   }
-  for (const auto& [name, mesh] : *input.meshes)
-    if (!mesh.cells.empty())
-      pieces.emplace_back([&name = name, &mesh = mesh] {
-        return card("Dihedral angles, " + name,
-                    histogram_svg({"dihedral angle", dihedral_angles(mesh)}, 0, 180, 60, "degrees"));
+  for (const char* name : {"myocardium", "chambers"})
+    if (const TetMesh* mesh = mesh_named(input, name))
+      pieces.emplace_back([name, mesh] {
+        return card(std::string("Dihedral angles, ") + name,
+                    histogram_svg({"dihedral angle", dihedral_angles(*mesh)}, 0, 180, 60, "degrees"));
       });
   add("</div></details>\n");
   return pieces;

@@ -1,8 +1,6 @@
 #include "validation/palette.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace heart::validation {
 namespace {
@@ -54,18 +52,6 @@ Rgb region_color(std::int32_t region) {
 
 Rgb surface_color(std::int32_t surface) {
   return surface > 0 ? cycle[static_cast<std::size_t>(surface - 1) % cycle.size()] : unknown_color;
-}
-
-Rgb helix_color(double angle_deg) {
-  if (!std::isfinite(angle_deg)) return unknown_color;
-  constexpr Rgb blue{38, 84, 178}, white{246, 244, 240}, red{186, 32, 46};
-  const double t = std::clamp(angle_deg / 75, -1.0, 1.0);
-  return t < 0 ? mix(white, blue, -t) : mix(white, red, t);
-}
-
-Rgb difference_color(double angle_deg) {
-  constexpr double reddest_helix_per_deg = 75.0 / 60;
-  return helix_color(reddest_helix_per_deg * angle_deg);
 }
 
 }  // namespace heart::validation

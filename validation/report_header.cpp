@@ -110,7 +110,7 @@ std::string warnings_html(std::vector<Warning> warnings) {
 }
 
 std::string use_row(const UseVerdict& use) {
-  constexpr std::size_t open_reasons = 2;
+  constexpr std::size_t open_reasons = 1;
   const auto fitness = static_cast<std::size_t>(use.fitness);
   std::string why, more;
   for (std::size_t r = 0; r < use.reasons.size(); ++r)

@@ -27,7 +27,6 @@ struct ReportInput {
   std::string atlas_name;
   std::vector<std::pair<std::string, std::string>> inputs;  ///< file name, SHA-256
   std::vector<std::pair<std::string, std::string>> tools;   ///< library, version
-  int picture_width_px = 620;  ///< of the larger pictures; the file's size follows its square
 };
 
 /// UTF-8 text of the HTML file.

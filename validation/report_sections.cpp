@@ -31,24 +31,13 @@ std::string page_data(const std::string& name, const std::string& index_json, co
       name, index_json, data_base64);
 }
 
-/// For browsers that cannot turn the heart, and for paper.
-std::string still_picture(const ReportInput& input, const Shared& shared) {
-  const TetMesh* walls = mesh_named(input, "myocardium");
-  if (!walls) return "";
-  MeshPictureOptions options;
-  options.width_px = input.picture_width_px, options.height_px = input.picture_width_px * 30 / 31;
-  options.edges = false;
-  const auto png = mesh_picture(*walls, shared.all_faces().at("myocardium"), View::front, options);
-  return fmt::format("<img class=\"still\" alt=\"The heart's walls from the front\" src=\"{}\">", png_source(png));
-}
-
 std::string viewer_html(const ReportInput& input, const Shared& shared) {
   const ViewerData data = viewer_data(*input.meshes, shared.all_faces(), shared.fields);
   if (data.empty) return "";
   return "<h2 id=\"view\">The heart in 3D</h2>\n<div id=\"viewer\"><div class=\"stage\"><canvas tabindex=\"0\" "
          "aria-label=\"3D view of the model\"></canvas><div class=\"failed\"><p>This browser cannot show the model in "
-         "3D: that needs JavaScript, WebGL 2 and DecompressionStream.</p>" +
-         still_picture(input, shared) + "</div></div>\n<div class=\"panel\"></div></div>\n" +
+         "3D: that needs JavaScript, WebGL 2 and DecompressionStream.</p></div></div>\n<div "
+         "class=\"panel\"></div></div>\n" +
          page_data("model", data.index_json, data.data_base64);
 }
 
@@ -147,11 +136,11 @@ Pieces charts_section(const ReportInput& input, const Shared& shared) {
     pieces.emplace_back([&input, walls] { return helix_profiles(input, *walls); });
     pieces.emplace_back([&shared] { return helix_histogram(*shared.helix_deg()); });
   }
-  for (const auto& [name, mesh] : *input.meshes)
-    if (!mesh.cells.empty())
-      pieces.emplace_back([&name = name, &mesh = mesh] {
-        return card("Dihedral angles, " + name,
-                    histogram_svg({"dihedral angle", dihedral_angles(mesh)}, 0, 180, 60, "degrees"));
+  for (const char* name : {"myocardium", "chambers"})
+    if (const TetMesh* mesh = mesh_named(input, name))
+      pieces.emplace_back([name, mesh] {
+        return card(std::string("Dihedral angles, ") + name,
+                    histogram_svg({"dihedral angle", dihedral_angles(*mesh)}, 0, 180, 60, "degrees"));
       });
   add("</div></details>\n");
   return pieces;

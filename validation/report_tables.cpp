@@ -279,8 +279,11 @@ std::string flagged_row(const ReportRow& row, const ShownNames& shown) {
 }
 
 std::string group_title(const std::string& group) {
-  const std::map<std::string, std::string> titles = {
-      {"mesh", "Meshes"}, {"fibers", "Fibres"}, {"fit", "Fit of the contours to the image"}, {"labels", "Label map"}};
+  const std::map<std::string, std::string> titles = {{"mesh", "Meshes"},
+                                                     {"anatomy", "Anatomy"},
+                                                     {"fibers", "Fibres"},
+                                                     {"fit", "Fit of the contours to the image"},
+                                                     {"labels", "Label map"}};
   const auto at = titles.find(group);
   return at == titles.end() ? words(group) : at->second;
 }

@@ -170,17 +170,16 @@ struct SurfaceOfFace {
   }
 };
 
-std::uint8_t degrees(float angle) { return static_cast<std::uint8_t>(std::clamp(std::lround(angle), 0L, 255L)); }
+std::uint8_t degrees(double angle) { return static_cast<std::uint8_t>(std::clamp(std::lround(angle), 0L, 255L)); }
 
-Faces shown_faces(const TetMesh& mesh, const BoundaryFaces& boundary, const SurfaceOfFace& surface,
-                  const std::vector<float>& angles) {
+Faces shown_faces(const TetMesh& mesh, const BoundaryFaces& boundary, const SurfaceOfFace& surface) {
   Faces faces;
   faces.nodes = boundary.faces;
   for (std::size_t f = 0; f < faces.nodes.size(); ++f) {
     const auto cell = static_cast<std::size_t>(boundary.cell[f]);
     faces.part.push_back(mesh.region[cell]);
     faces.surface.push_back(surface(faces.nodes[f]));
-    faces.quality_deg.push_back(degrees(angles[cell]));
+    faces.quality_deg.push_back(degrees(least_dihedral_deg(mesh, cell)));
   }
   return faces;
 }
@@ -208,15 +207,14 @@ std::vector<ViewPart> mesh_parts(const Source& source, const std::vector<MeshFac
                                  const std::set<std::int32_t>& regions, std::size_t budget) {
   const TetMesh& mesh = *source.mesh;
   const SurfaceOfFace surface(mesh);
-  const auto angles = least_dihedral_deg(mesh);
   std::vector<std::uint8_t> chosen(mesh.cells.size());
   for (std::size_t c = 0; c < chosen.size(); ++c) chosen[c] = regions.count(mesh.region[c]) > 0;
-  const Faces faces = shown_faces(mesh, boundary_faces(mesh, mesh_faces, chosen, true), surface, angles);
+  const Faces faces = shown_faces(mesh, boundary_faces(mesh, mesh_faces, chosen, true), surface);
   auto parts = parts_of(source, faces, regions, budget);
   if (source.name != "torso") return parts;
   const std::int32_t torso = tag(Region::torso);
-  Faces outer = shown_faces(mesh, boundary_faces(mesh, mesh_faces, std::vector<std::uint8_t>(mesh.cells.size(), 1)),
-                            surface, angles);
+  Faces outer =
+      shown_faces(mesh, boundary_faces(mesh, mesh_faces, std::vector<std::uint8_t>(mesh.cells.size(), 1)), surface);
   outer.part.assign(outer.nodes.size(), torso);
   for (ViewPart& skin : parts_of(source, outer, {torso}, budget)) {
     skin.is_glass = true;

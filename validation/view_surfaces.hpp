@@ -30,8 +30,8 @@ struct ViewPart {
 struct ViewerSettings {
   std::size_t heart_triangles = 150000;  ///< at most, by clustering of nodes
   std::size_t body_triangles = 60000;
-  double line_spacing_mm = 3;
-  double line_length_mm = 12;
+  double line_spacing_mm = 4.5;
+  double line_length_mm = 10;
 };
 
 /// Meshes: "myocardium", "chambers", "trachea", "carotid", "torso"; a region is taken from the first of these that has

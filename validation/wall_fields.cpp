@@ -113,8 +113,7 @@ WallField difference_field(const TetMesh& mesh) {
 }
 
 WallField quality_field(const TetMesh& mesh) {
-  const auto angles = least_dihedral_deg(mesh);
-  const auto of_cell = [&](std::size_t c) { return static_cast<double>(angles[c]); };
+  const auto of_cell = [&](std::size_t c) { return least_dihedral_deg(mesh, c); };
   WallField field{"quality", "smallest dihedral angle of a cell", "\u00B0", 0, 70, {}, {}};
   field.values = node_values(mesh, of_cell, [](double a, double b) { return std::min(a, b); });
   return field;
@@ -140,16 +139,10 @@ std::vector<WallField> wall_fields(const TetMesh& walls, const std::vector<doubl
   return fields;
 }
 
-std::vector<float> least_dihedral_deg(const TetMesh& mesh) {
-  std::vector<float> angles(mesh.cells.size());
-  parallel::parallel_for(0, static_cast<std::int64_t>(angles.size()), [&](std::int64_t begin, std::int64_t end) {
-    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
-      std::array<Vec3, 4> corners;
-      for (std::size_t k = 0; k < 4; ++k) corners[k] = mesh.nodes_mm[static_cast<std::size_t>(mesh.cells[c][k])];
-      angles[c] = static_cast<float>(cell_quality(corners).min_dihedral_deg);
-    }
-  });
-  return angles;
+double least_dihedral_deg(const TetMesh& mesh, std::size_t cell) {
+  std::array<Vec3, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) corners[k] = mesh.nodes_mm[static_cast<std::size_t>(mesh.cells[cell][k])];
+  return cell_quality(corners).min_dihedral_deg;
 }
 
 }  // namespace heart::validation

@@ -26,7 +26,7 @@ std::uint8_t byte_of(const WallField& field, double value);
 /// blood of its own wall and to the other side, together; papillary muscles have none.
 std::vector<WallField> wall_fields(const TetMesh& walls, const std::vector<double>& helix_deg);
 
-/// Per cell: the smallest dihedral angle, degrees.
-std::vector<float> least_dihedral_deg(const TetMesh& mesh);
+/// Smallest dihedral angle of a cell, degrees.
+double least_dihedral_deg(const TetMesh& mesh, std::size_t cell);
 
 }  // namespace heart::validation

@@ -38,10 +38,6 @@ Rgb pixel(const Canvas& canvas, double share_x, double share_y) {
   return canvas.pixels[canvas.at(static_cast<int>(share_x * canvas.width), static_cast<int>(share_y * canvas.height))];
 }
 
-bool reddish(Rgb c) { return c.r > c.g + 25 && c.r > c.b + 25; }
-bool bluish(Rgb c) { return c.b > c.r + 25; }
-bool near_white(Rgb c) { return c.r > 245 && c.g > 245 && c.b > 245; }
-
 /// One bright voxel block on dark ground, off the middle along all three axes.
 CtVolume marked_ct(const Vec3& mark_lps) {
   Grid grid;
@@ -129,42 +125,6 @@ TEST(BoundaryFaces, CloseEveryRegionAndPointOut) {
   EXPECT_NEAR(volume[1], 3 * 1.1 * 3 * 3 * 0.9, 1e-9);
 }
 
-TEST(MeshPicture, ShowsTheRightVentricleOnTheLeftFromTheFront) {
-  const TetMesh mesh = synthetic_myocardium(synthetic_labels(5));
-  MeshPictureOptions options;
-  options.edges = false;
-  options.cut = CutPlane{{0, 0, 0}, {0, -1, 0}};
-  const Canvas front = decoded(mesh_picture(mesh, View::front, options));
-  EXPECT_EQ(front.width, 720);
-  EXPECT_EQ(front.height, 640);
-  std::array<double, 2> column_sum{}, count{};
-  for (int y = 0; y < front.height; ++y)
-    for (int x = 0; x < front.width; ++x) {
-      const Rgb p = front.pixels[front.at(x, y)];
-      if (near_white(p) || p.r < p.b + 30) continue;
-      const std::size_t orange = p.g > 0.55 * p.r ? 1 : 0;  // right ventricle: orange, left: red
-      column_sum[orange] += x, count[orange] += 1;
-    }
-  ASSERT_GT(count[0], 1000);
-  ASSERT_GT(count[1], 1000);
-  EXPECT_LT(column_sum[1] / count[1] + 100, column_sum[0] / count[0]);
-}
-
-TEST(MeshPicture, ACutOpensTheCavity) {
-  const TetMesh mesh = synthetic_myocardium(synthetic_labels(5));
-  MeshPictureOptions options;
-  options.width_px = options.height_px = 200;
-  const auto closed = mesh_picture(mesh, View::front, options);
-  options.cut = CutPlane{{0, 0, 0}, {0, -1, 0}};
-  const auto open = mesh_picture(mesh, View::front, options);
-  EXPECT_NE(closed, open);
-  options.cut = CutPlane{{0, -500, 0}, {0, -1, 0}};  // cuts nothing
-  EXPECT_EQ(mesh_picture(mesh, View::front, options), closed);
-  options.cut = CutPlane{{0, 500, 0}, {0, -1, 0}};  // cuts everything
-  const Canvas empty = decoded(mesh_picture(mesh, View::front, options));
-  EXPECT_TRUE(near_white(pixel(empty, 0.5, 0.4)));
-}
-
 TEST(HelixAngle, IsKnownOnTheSyntheticField) {
   const TetMesh mesh = synthetic_myocardium(synthetic_labels(2.5));
   const auto angles = helix_angle_per_node(mesh);
@@ -214,38 +174,6 @@ TEST(Streamlines, FollowCirclesWhateverTheSigns) {
   }
 }
 
-TEST(FiberPicture, IsRedInsideBlueOutsideAndTheSameTwice) {
-  const TetMesh mesh = synthetic_myocardium(synthetic_labels(5));
-  FiberPictureOptions options;
-  options.width_px = 300, options.height_px = 260;
-  const auto cut = fiber_picture(mesh, options);
-  EXPECT_EQ(cut, fiber_picture(mesh, options));
-  const Canvas inside = decoded(cut);
-  int red = 0, blue = 0;
-  for (int y = 60; y < inside.height; ++y)  // below the legend
-    for (int x = 0; x < inside.width; ++x) {
-      red += reddish(inside.pixels[inside.at(x, y)]);
-      blue += bluish(inside.pixels[inside.at(x, y)]);
-    }
-  EXPECT_GT(red, 2000);
-  EXPECT_GT(blue, 2000);
-  options.cut = false;
-  const Canvas outside = decoded(fiber_picture(mesh, options));
-  int red_outside = 0, blue_outside = 0;
-  for (int y = 60; y < outside.height; ++y)
-    for (int x = 0; x < outside.width; ++x) {
-      red_outside += reddish(outside.pixels[outside.at(x, y)]);
-      blue_outside += bluish(outside.pixels[outside.at(x, y)]);
-    }
-  EXPECT_GT(blue_outside, 10 * red_outside);
-}
-
-TEST(FiberPicture, NeedsFibres) {
-  TetMesh mesh = heart::testing::two_region_mesh(2);
-  mesh.node_fibers = {};
-  EXPECT_THROW(fiber_picture(mesh), UserError);
-}
-
 TEST(Charts, HistogramBarsAddUpToEverything) {
   const std::string svg = histogram_svg({"a<b", {10, 10, 10, 50}}, 0, 100, 10, "mm");
   EXPECT_NE(svg.find("a&lt;b"), std::string::npos);
@@ -262,13 +190,6 @@ TEST(Charts, ProfileSkipsEmptyBins) {
       helix_profile_svg({{"LV", {0.25, 0.5, 0.75}, {60, none, -60}, {50, none, -70}, {70, none, -50}}});
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   EXPECT_NE(svg.find("class=\"line s0\""), std::string::npos);
-}
-
-TEST(Palette, HelixRampRunsFromBlueToRed) {
-  EXPECT_TRUE(bluish(helix_color(-75)));
-  EXPECT_TRUE(reddish(helix_color(75)));
-  EXPECT_EQ(helix_color(75), helix_color(90));
-  EXPECT_EQ(helix_color(std::nan("")), (Rgb{150, 150, 150}));
 }
 
 }  // namespace

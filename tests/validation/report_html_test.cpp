@@ -37,7 +37,6 @@ struct Example {
     certificate.rows.push_back({"mesh", "<script>alert(1)</script>", "cells", 3, "count", {}, {}});
     input.name = "patient <7> & \"co\"";
     input.version = "1.2.3";
-    input.picture_width_px = 120;
     input.ct = &ct;
     input.labels = &labels;
     input.meshes = &meshes;
@@ -64,7 +63,6 @@ TEST(ReportHtml, IsSelfContainedEscapedAndTheSameTwice) {
   EXPECT_EQ(html.find("patient <7>"), std::string::npos);
   EXPECT_EQ(html.find("<script>alert"), std::string::npos);
   EXPECT_NE(html.find("ct: a&lt;b.nii.gz"), std::string::npos);
-  EXPECT_EQ(count_of(html, "data:image/png;base64,"), count_of(html, "<img"));
   for (const char* section : {"id=\"view\"", "id=\"image\"", "id=\"charts\"", "id=\"certificate\"", "id=\"methods\"",
                               "id=\"model-data\"", "id=\"image-data\""})
     EXPECT_EQ(count_of(html, section), 1u) << section;
@@ -201,8 +199,8 @@ TEST(ViewerData, KeepsWithinTheBudget) {
   const auto small = viewer_data(example.meshes, faces, fields, settings);
   const auto triangles = [](const std::string& json) {
     std::size_t sum = 0;
-    const std::regex number("\"triangles\":(\\d+)");
-    for (std::sregex_iterator it(json.begin(), json.end(), number), end; it != end; ++it) sum += std::stoul((*it)[1]);
+    const std::regex walls("\"group\":\"muscle\"[^]*?\"triangles\":(\\d+)");
+    for (std::sregex_iterator it(json.begin(), json.end(), walls), end; it != end; ++it) sum += std::stoul((*it)[1]);
     return sum;
   };
   EXPECT_GT(triangles(full.index_json), 1000u);

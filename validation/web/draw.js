@@ -113,7 +113,7 @@ function makeDrawing(gl, view) {
 
   function drawAllLines(parts, m, cut, state) {
     const mode = { plain: 0, helix: 1, direction: 2 }[state.fibers];
-    const style = { width: 0.4, slab: 1e9, mode, plain: [0.99, 0.93, 0.76] };
+    const style = { width: 0.36, slab: 1e9, mode, plain: [0.99, 0.93, 0.76] };
     for (const part of parts) {
       if (part.group === "valves") {
         const color = part.color.map((c) => c / 255);

@@ -14,6 +14,9 @@ function showNamed(viewer, panel, name, color) {
   if (color === "helix" || color === "difference") state.fibers = "plain";
   viewer.fit();
   panel.refresh();
+  const flattest = color === "quality" ? flattestHit(parts) : null;
+  panel.showFacts(flattest);
+  if (flattest) viewer.faceTo(flattest.point);
 }
 
 function addTerms() {

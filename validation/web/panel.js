@@ -56,7 +56,7 @@ function addPanel(viewer, panel) {
   const slider = element("input", { type: "range", name: "cutAt", step: "0.5" });
   slider.setAttribute("aria-label", "place of the cut");
   const place = element("output"), legend = element("div", { className: "legend3d" }), facts = element("div", { className: "facts", hidden: true });
-  const flip = button("other side", () => {
+  const flip = button("flip", () => {
     state.isFlipped = !state.isFlipped;
     viewer.redraw();
   });
@@ -138,6 +138,17 @@ function addPanel(viewer, panel) {
     viewer.markPlace(lps);
     return lps;
   }
+  /// e.g. report.html#view=chambers&cut=chambers&color=helix&fibers=plain
+  function readAddress() {
+    const wanted = new URLSearchParams(location.hash.slice(1));
+    for (const control of [color, fibers, edges, cut]) {
+      if (![...control.options].some((option) => option.value === wanted.get(control.name))) continue;
+      control.value = wanted.get(control.name);
+      control.dispatchEvent(new Event("input"));
+    }
+    if (viewer.views[wanted.get("view")]) show(wanted.get("view"));
+  }
   refresh();
-  return { refresh, showFacts, show };
+  readAddress();
+  return { refresh, showFacts };
 }

@@ -55,6 +55,20 @@ function pick(view, from, along, cut) {
   return part ? { part, triangle: -1, way, point } : hit;
 }
 
+/// Of all triangles that are shown, the one of the flattest cell, as a hit.
+function flattestHit(parts) {
+  let best = null;
+  for (const part of parts)
+    if (part.visible && part.group !== "valves")
+      part.quality.forEach((degrees, triangle) => {
+        if (!best || degrees < best.degrees) best = { part, triangle, degrees };
+      });
+  if (!best) return null;
+  const corner = (k) => 3 * best.part.indices[3 * best.triangle + k];
+  best.point = [0, 1, 2].map((axis) => (best.part.points[corner(0) + axis] + best.part.points[corner(1) + axis] + best.part.points[corner(2) + axis]) / 3);
+  return best;
+}
+
 function gridByte(view, field, point) {
   const grid = view.grids;
   if (!grid || !grid.values[field.id]) return 0;

@@ -178,6 +178,14 @@ function makeViewer(root, data) {
     const from = plus(state.target, plus(plus(scaled(r, x), scaled(u, y)), scaled(t, 2 * view.reach)));
     return pick(view, from, scaled(t, -1), cutPlane());
   }
+  /// Looks at a place from outside of what is shown.
+  function faceTo(point) {
+    const out = minus(point, state.target);
+    if (Math.hypot(...out) < 1) return;
+    const toward = unit(out), right = unit(Math.abs(toward[2]) > 0.95 ? [1, 0, -toward[0] / toward[2]] : cross([0, 0, 1], toward));
+    state.eye = [right, cross(toward, right), toward];
+    redraw();
+  }
   /// A place in LPS mm, or null.
   function markPlace(lps) {
     state.mark = lps && minus(lps, view.center);
@@ -185,7 +193,7 @@ function makeViewer(root, data) {
   }
 
   const overlay = makeOverlay(stage, state);
-  const viewer = { root, canvas, view, views, state, redraw, turn, pan, zoomBy, fit, pickAt, markPlace, cutRange };
+  const viewer = { root, canvas, view, views, state, redraw, turn, pan, zoomBy, fit, faceTo, pickAt, markPlace, cutRange };
   new ResizeObserver(redraw).observe(canvas);
   return viewer;
 }

@@ -42,4 +42,8 @@ std::string base64(const void* data, std::size_t bytes) {
   return out;
 }
 
+std::string png_source(const std::vector<std::uint8_t>& png) {
+  return "data:image/png;base64," + base64(png.data(), png.size());
+}
+
 }  // namespace heart::validation

@@ -10,5 +10,7 @@ namespace heart::validation {
 /// & < > " ' as entities; control characters other than line ends become spaces.
 std::string escaped(std::string_view text);
 std::string base64(const void* data, std::size_t bytes);
+/// An <img> source with the picture inside.
+std::string png_source(const std::vector<std::uint8_t>& png);
 
 }  // namespace heart::validation

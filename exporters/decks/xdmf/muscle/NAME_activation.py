@@ -86,7 +86,8 @@ if comm.rank == 0:
     if silent:
         print(f"{silent} nodes of the ventricles hang together with nothing and are not activated")
     print(f"earliest {first:.2f} ms (the site: 0), last {last:.1f} ms at 0.6 m/s along and 0.3 m/s across the fibres")
-time.name = "activation_ms"
+time.x.array[~reached] = -1
+time.name = "activation_ms"  # -1: not activated
 with XDMFFile(comm, name + "_activation.xdmf", "w") as file:
     file.write_mesh(domain)
     file.write_function(time)

@@ -36,6 +36,10 @@ Table bench_segment(const Settings& settings, const parallel::Comm& comm);
 Table bench_epicardium(const Settings& settings, const parallel::Comm& comm);
 
 // On the root only; sizes are their own.
+// On the root only.
+// The confidence of automatic landmarks against right and wrong.
+Table bench_confidence(const Settings& settings, const parallel::Comm& comm);
+
 Table bench_mesh_scaling(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_ventricles(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_myocardium(const Settings& settings, const parallel::Comm& comm);

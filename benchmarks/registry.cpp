@@ -8,6 +8,8 @@ const std::vector<Benchmark>& all() {
       {"ranks", "the PDE stages on all ranks against one (run under mpirun)", bench_ranks},
       {"segment", "denoising and the default tree of L1 Chan-Vese splits on a phantom", bench_segment},
       {"epicardium", "the walls of the ventricles and atria as minimal cuts on a phantom", bench_epicardium},
+      {"confidence", "the confidence of landmarks against right and wrong, on phantoms and spoiled scans",
+       bench_confidence},
       {"mesh-scaling", "the lattice mesher from 100 k to 20 M cells, as far as memory goes", bench_mesh_scaling},
       {"mesh-ventricles", "1.25 M cells of analytic ventricles, next to CGAL's Mesh_3", bench_mesh_ventricles},
       {"mesh-myocardium", "the walls of a label map as five regions, next to CGAL's Mesh_3", bench_mesh_myocardium},

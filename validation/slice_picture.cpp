@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "validation/canvas.hpp"
 #include "validation/palette.hpp"
 #include "validation/pictures.hpp"
+#include "validation/slice_canvas.hpp"
 
 namespace heart::validation {
 namespace {
@@ -237,8 +239,8 @@ void draw_legend(Canvas& canvas, const std::vector<std::uint8_t>& raster) {
 
 }  // namespace
 
-PngBytes slice_picture(const CtVolume* ct, const LabelVolume* labels, SlicePlane plane, std::int64_t index,
-                       const SliceOptions& options) {
+SliceCanvas slice_canvas(const CtVolume* ct, const LabelVolume* labels, SlicePlane plane, std::int64_t index,
+                         const SliceOptions& options) {
   if (!ct && !labels) throw UserError("neither an image nor labels to draw", "slice picture", "give one of them");
   const Grid& grid = ct ? ct->grid : labels->grid;
   const PlaneAxes axes = axes_of(plane);
@@ -253,7 +255,13 @@ PngBytes slice_picture(const CtVolume* ct, const LabelVolume* labels, SlicePlane
   draw_orientation(picture, axes);
   draw_scale_bar(picture, frame.pixel_mm);
   if (options.legend && labels) draw_legend(picture, raster);
-  return encode_png(picture);
+  const Vec3 first = frame.corner_mm + (0.5 * (supersampling - 1)) * (frame.right + frame.down);
+  return {std::move(picture), first, axes.right, axes.down, frame.pixel_mm};
+}
+
+PngBytes slice_picture(const CtVolume* ct, const LabelVolume* labels, SlicePlane plane, std::int64_t index,
+                       const SliceOptions& options) {
+  return encode_png(slice_canvas(ct, labels, plane, index, options).canvas);
 }
 
 }  // namespace heart::validation

@@ -2,16 +2,9 @@
 
 #include "exporters/registry.hpp"
 #include "generator/app/options.hpp"
-#include "generator/labels/presets.hpp"
 
 namespace heart::app {
 namespace {
-
-std::string preset_names() {
-  std::string names;
-  for (const auto& preset : labels::label_presets()) names += (names.empty() ? "" : ", ") + std::string(preset.name);
-  return names;
-}
 
 void add_build(Program& p) {
   auto* sub =
@@ -40,6 +33,8 @@ void add_build(Program& p) {
   sub->add_option("-o,--output", p.build.output, "folder of the bundle")->required();
   sub->add_option("--keep-stages", p.build.keep_stages,
                   "folder for the results of the image stages, to correct and give back in [replace] of the recipe");
+  sub->add_flag("--accept-doubtful", p.build.accept_doubtful,
+                "go on where what was found in the CT can hardly be a heart, and mark the bundle: it fails (exit 3)");
   sub->add_flag("--force", p.build.force, "replace an existing bundle");
   sub->add_flag(
       "--no-cache", p.build.no_cache,

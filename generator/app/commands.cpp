@@ -17,6 +17,7 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/app/check_inputs.hpp"
 #include "generator/app/input_files.hpp"
+#include "generator/app/landmarks_picture.hpp"
 #include "generator/app/mesh_certificate.hpp"
 #include "generator/app/own_mesh.hpp"
 #include "generator/app/pipeline.hpp"
@@ -24,7 +25,9 @@
 #include "generator/app/resolutions.hpp"
 #include "generator/app/stage_files.hpp"
 #include "generator/labels/given_labels.hpp"
-#include "generator/landmarks/landmarks.hpp"
+#include "generator/labels/judge.hpp"
+#include "generator/landmarks/judge.hpp"
+#include "generator/landmarks/search.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/walls.hpp"
 #include "generator/segment/filters.hpp"
@@ -156,6 +159,7 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
                     "name a folder beside it");
   options.replace = command.force;
   options.progress = !command.quiet;
+  options.accept_doubtful = command.accept_doubtful;
   const BuildResult result = build(recipe, options, comm);
   if (!comm.is_root()) return 0;
   const int exit_code = verdict_of(result.certificate) == Verdict::failed ? validation_failed : 0;
@@ -352,6 +356,22 @@ void remark_on_lost_regions(const TetMesh& mesh, const LabelVolume& labels, cons
 
 }  // namespace
 
+namespace {
+
+/// Read and refused as `build` does.
+LabelVolume labels_to_mesh(const MeshCommand& command) {
+  InputSettings input;
+  input.labels = command.labels;
+  input.label_names = command.label_names;
+  LabelSettings settings;
+  if (!command.preset.empty()) settings.preset = command.preset;
+  auto given = labels::read_given_labels(input, settings, nullptr);
+  labels::refuse_no_heart(given.labels, command.labels);
+  return std::move(given.labels);
+}
+
+}  // namespace
+
 int mesh_command(const MeshCommand& command) {
   MeshSettings settings;
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
@@ -368,7 +388,7 @@ int mesh_command(const MeshCommand& command) {
     fmt::print(stderr, "  {:<8} {:7.2f} s\n", step, seconds);
     std::fflush(stderr);
   };
-  const LabelVolume labels = read_region_labels(command.labels);
+  const LabelVolume labels = labels_to_mesh(command);
   check_memory(labels, settings, machine_memory_bytes());
   Volume<float> own_edges_mm;
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
@@ -400,22 +420,9 @@ int mesh_command(const MeshCommand& command) {
   return all_passed(report) ? 0 : validation_failed;
 }
 
-int landmarks_command(const std::string& ct, const std::string& output, bool json) {
-  if (!output.empty()) check_output(output);
-  auto image = adapters::read_ct(ct);
-  segment::close_padding(image, segment::find_padding(image));
-  const auto found = landmarks::find_landmarks(image);
-  const std::string text = write_landmarks(found.landmarks);
-  if (!output.empty()) write_text(output, text);
-  if (json) {
-    Json out = Json::parse(text);
-    out["confidence"] = found.confidence;
-    out["warnings"] = found.warnings;
-    out["volumes_ml"] = found.volumes_ml;
-    out["long_axis"] = {found.long_axis.x, found.long_axis.y, found.long_axis.z};
-    fmt::print("{}\n", out.dump(1));
-    return 0;
-  }
+namespace {
+
+void print_found(const landmarks::FoundLandmarks& found) {
   fmt::print("confidence {:.2f}   (positions in LPS mm)\n", found.confidence);
   for (const auto& [name, p] : found.landmarks.seeds_mm) {
     const auto volume = found.volumes_ml.find(name);
@@ -429,8 +436,42 @@ int landmarks_command(const std::string& ct, const std::string& output, bool jso
   fmt::print("long axis of the left ventricle, base to apex: {:.3f} {:.3f} {:.3f}\n", found.long_axis.x,
              found.long_axis.y, found.long_axis.z);
   for (const auto& warning : found.warnings) fmt::print("warning: {}\n", warning);
-  if (!output.empty()) fmt::print("{}\n", output);
-  return 0;
+  constexpr const char* sentences[] = {"sound: nothing of weight speaks against it",
+                                       "uncertain: look at it before you build from it",
+                                       "DOUBTFUL: this can hardly be a heart, and build would refuse it"};
+  fmt::print("{}\n", sentences[static_cast<std::size_t>(landmarks::trust_in(found.confidence))]);
+}
+
+Json json_of(const landmarks::FoundLandmarks& found) {
+  Json out = Json::parse(write_landmarks(found.landmarks));
+  out["confidence"] = found.confidence;
+  out["trust"] = landmarks::trust_names.at(static_cast<std::size_t>(landmarks::trust_in(found.confidence)));
+  out["warnings"] = found.warnings;
+  out["volumes_ml"] = found.volumes_ml;
+  out["long_axis"] = {found.long_axis.x, found.long_axis.y, found.long_axis.z};
+  return out;
+}
+
+}  // namespace
+
+int landmarks_command(const LandmarksCommand& command) {
+  for (const auto& file : {command.output, command.picture})
+    if (!file.empty()) check_output(file);
+  auto image = adapters::read_ct(command.ct);
+  segment::close_padding(image, segment::find_padding(image));
+  const auto result = landmarks::search(image);
+  if (!command.output.empty()) write_text(command.output, write_landmarks(result.found.landmarks));
+  if (!command.picture.empty()) {
+    const auto png = landmarks_picture(image, result);
+    write_text(command.picture, std::string(png.begin(), png.end()));
+  }
+  if (command.json)
+    fmt::print("{}\n", json_of(result.found).dump(1));
+  else
+    print_found(result.found);
+  for (const auto& file : {command.output, command.picture})
+    if (!file.empty() && !command.json) fmt::print("{}\n", file);
+  return landmarks::trust_in(result.found.confidence) == landmarks::Trust::doubtful ? validation_failed : 0;
 }
 
 }  // namespace heart::app

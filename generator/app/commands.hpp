@@ -14,7 +14,7 @@ namespace heart::app {
 
 struct BuildCommand {
   std::string recipe, ct, labels, preset, atlas, atlas_array, landmarks, keep_stages, output;
-  bool no_cache = false, force = false, json = false, quiet = false;
+  bool no_cache = false, force = false, accept_doubtful = false, json = false, quiet = false;
 };
 /// @collective
 int build_command(const BuildCommand& command, const parallel::Comm& comm);
@@ -52,7 +52,7 @@ int filter_command(const FilterCommand& command, const parallel::Comm& comm);
 std::string filter_help();
 
 struct MeshCommand {
-  std::string labels, output, backend, size_field;
+  std::string labels, preset, label_names, output, backend, size_field;
   std::optional<double> edge_mm;
   std::optional<int> wall_layers;
   bool walls = false;  ///< these alone
@@ -60,8 +60,12 @@ struct MeshCommand {
 };
 int mesh_command(const MeshCommand& command);
 
-/// Prints what was found; writes the landmarks file when `output` is given.
-int landmarks_command(const std::string& ct, const std::string& output, bool json);
+struct LandmarksCommand {
+  std::string ct, output, picture;  ///< files to write; empty: none
+  bool json = false;
+};
+/// Prints what was found and how far to trust it; 3 where that can hardly be a heart.
+int landmarks_command(const LandmarksCommand& command);
 
 struct PhantomCommand {
   std::string folder;

@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "generator/labels/exchanged.hpp"
-#include "generator/landmarks/landmarks.hpp"
+#include "generator/app/landmarks_picture.hpp"
+#include "generator/labels/gaps.hpp"
+#include "generator/labels/islands.hpp"
+#include "generator/labels/judge.hpp"
+#include "generator/landmarks/judge.hpp"
+#include "generator/landmarks/search.hpp"
 #include "generator/segment/body.hpp"
 #include "generator/segment/chambers.hpp"
 #include "generator/segment/diffusion.hpp"
@@ -17,6 +21,7 @@
 #include "generator/segment/trachea.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/text.hpp"
 
 namespace heart::app {
 namespace {
@@ -26,23 +31,26 @@ std::vector<std::string> with(std::vector<std::string> keys, const std::string& 
   return keys;
 }
 
-std::string listed(const labels::MissingGroups& missing) {
+/// The regions that the whole map has and the given labels lack.
+std::vector<std::string> added_regions(const LabelVolume& given, const LabelVolume& heart) {
   std::vector<std::string> names;
-  if (missing.chambers) names.emplace_back("chambers");
-  if (missing.walls) names.emplace_back("walls");
-  if (missing.body) names.emplace_back("the body around the heart");
-  return fmt::format("{}", fmt::join(names, ", "));
+  for (const auto& row : region_table())
+    if (const auto region = static_cast<Region>(row.tag); labels::holds(heart, region) && !labels::holds(given, region))
+      names.emplace_back(row.name);
+  return names;
 }
 
-Warning completion_warning(const labels::MissingGroups& missing, bool has_ct) {
-  if (!missing.any())
+Warning completion_warning(const LabelVolume& given, const LabelVolume& heart, bool has_ct) {
+  const auto added = added_regions(given, heart);
+  if (added.empty())
     return {"labels.completed", WarningLevel::note, "Everything else was left as the given labels have it."};
   if (has_ct)
     return {"labels.completed", WarningLevel::note,
-            fmt::format("What the given labels lack of these was made from the CT: {}.", listed(missing))};
+            fmt::format("What the given labels lack was made from the CT: {}.", fmt::join(added, ", "))};
   return {"labels.no_ct", WarningLevel::warning,
-          "Without a CT, walls that the given labels lack got the least thickness of the recipe, and nothing was "
-          "added around the heart."};
+          fmt::format("Without a CT, walls that the given labels lack ({}) got the least thickness of the recipe, and "
+                      "nothing was added around the heart.",
+                      fmt::join(added, ", "))};
 }
 
 /// Chambers and the left ventricle's wall cannot be guessed.
@@ -79,18 +87,63 @@ LabelVolume make_walls(Run& run, const CtVolume& ct, const LabelVolume& chambers
   return labels::with_given(std::move(own), given, labels::Group::walls);
 }
 
-/// What the search says of itself tells more than that a seed is missing, and than a model of something else. Of
-/// phantoms with hardly any contrast on the right and much noise, 0.42 was the least confidence.
-void refuse_doubtful_landmarks(const Landmarks& all, const landmarks::FoundLandmarks& found) {
-  constexpr double least_confidence = 0.05;
+constexpr const char* by_hand =
+    "check the image's orientation and field of view; give the seeds lv_blood, rv_blood, la_blood, ra_blood, aorta and "
+    "pulmonary_artery and the valve planes by hand (--landmarks)";
+
+/// Writes the picture of what was found, if there is a place for it; returns the sentence that names it.
+std::string show_landmarks(const CtVolume& ct, const std::filesystem::path& path) {
+  if (path.empty()) return "";
+  const auto png = landmarks_picture(ct, landmarks::search(ct));
+  write_text(path, std::string(png.begin(), png.end()));
+  return fmt::format("look at {}, which shows what was found; ", path.string());
+}
+
+/// What the search says of itself tells more than that a seed is missing, and than a model of something else.
+void refuse_doubtful_landmarks(const Landmarks& all, const landmarks::FoundLandmarks& found, double confidence,
+                               const CtVolume& ct, const Doubt& doubt) {
   const bool complete = chambers_are_marked(all);
-  if (complete && found.confidence >= least_confidence) return;
-  throw UserError(
-      fmt::format("{}: {}",
-                  complete ? fmt::format("what was found can hardly be a heart (confidence {:.2f})", found.confidence)
-                           : "not every chamber was found",
-                  fmt::join(found.warnings, "; ")),
-      "landmarks", "check the image's orientation and field of view, or give the seeds and valve planes by hand");
+  if (complete && (doubt.is_accepted || landmarks::trust_in(confidence) != landmarks::Trust::doubtful)) return;
+  const std::string problem =
+      complete ? fmt::format("what was found can hardly be a heart (confidence {:.2f}, at least {:g} is needed)",
+                             confidence, landmarks::min_confidence)
+               : "not every chamber was found";
+  throw UserError(fmt::format("{}: {}", problem, fmt::join(found.warnings, "; ")), "landmarks",
+                  show_landmarks(ct, doubt.picture) + by_hand +
+                      (complete ? ", or go on with --accept-doubtful, which marks the model" : ""));
+}
+
+Warning confidence_warning(double confidence) {
+  const std::string text =
+      fmt::format("Seeds and valves were found automatically, with a confidence of {:.2f}", confidence);
+  switch (landmarks::trust_in(confidence)) {
+    case landmarks::Trust::doubtful:
+      return {"landmarks.doubtful", WarningLevel::doubt,
+              text + ": what was found can hardly be a heart, and the build went on because that was accepted."};
+    case landmarks::Trust::uncertain:
+      return {"landmarks.uncertain", WarningLevel::warning,
+              text + fmt::format(", less than the {:g} of a sure one: check them before you rely on the model.",
+                                 landmarks::min_sound_confidence)};
+    default:
+      return {"landmarks.automatic", WarningLevel::note, text + "."};
+  }
+}
+
+/// What a user must see before the build is done.
+void print_warnings(const std::vector<Warning>& warnings) {
+  for (const auto& warning : warnings)
+    if (warning.level != WarningLevel::note) fmt::print(stderr, "warning: {}\n", warning.text);
+}
+
+/// The given chambers with what they lack, without gaps and pockets. Root only.
+LabelVolume complete_chambers(LabelVolume own, const LabelVolume& given, const CtVolume& ct, const Recipe& recipe) {
+  if (given.voxels.empty()) return own;
+  labels::refuse_organs_in_heart(given, own, recipe.input.labels);
+  own = labels::with_given(std::move(own), given, labels::Group::chambers);
+  own = labels::with_closed_gaps(std::move(own), given, recipe.input.ct.empty() ? nullptr : &ct);
+  own = labels::with_filled_pockets(std::move(own), given);
+  labels::absorb_crumbs(own, labels::crumb_mm3(recipe.mesh.heart_edge_mm));
+  return own;
 }
 
 }  // namespace
@@ -118,7 +171,7 @@ bool chambers_are_marked(const Landmarks& landmarks) {
 }
 
 CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
-                                      std::vector<Warning>& warnings) {
+                                      std::vector<Warning>& warnings, const Doubt& doubt) {
   if (chambers_are_marked(given)) return {given};
   const auto found = run.root_stage("landmarks", {ct.key}, [&] { return landmarks::find_landmarks(*ct); });
   Landmarks all = given;
@@ -126,15 +179,38 @@ CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, cons
   all.valves.insert(found->landmarks.valves.begin(), found->landmarks.valves.end());
   if (!all.lv_apex_mm) all.lv_apex_mm = found->landmarks.lv_apex_mm;
   const bool corrected = run.files.replaced_by.contains("landmarks");
-  if (!corrected) parallel::run_on_root(run.comm, [&] { refuse_doubtful_landmarks(all, *found); });
-  warnings.push_back(
-      {"landmarks.automatic", WarningLevel::note,
-       fmt::format("Seeds and valves were found automatically, with a confidence of {:.2f}.", found->confidence)});
+  const double confidence = landmarks::confidence_beside(*found, given);
+  if (!corrected)
+    parallel::run_on_root(run.comm, [&] { refuse_doubtful_landmarks(all, *found, confidence, *ct, doubt); });
+  std::vector<Warning> told = {confidence_warning(corrected ? 1 : confidence)};
   for (const auto& sentence : found->warnings)
-    warnings.push_back({"landmarks.anatomy", WarningLevel::warning, "Automatic landmarks: " + sentence});
+    told.push_back({"landmarks.anatomy", WarningLevel::warning, "Automatic landmarks: " + sentence});
+  if (run.comm.is_root()) print_warnings(told);
+  warnings.insert(warnings.end(), told.begin(), told.end());
   std::string text = write_landmarks(all);  // what the root found, for every rank
   parallel::broadcast(run.comm, text);
   return {parse_landmarks(text, "automatic landmarks"), found->ventricles_cut_cm2};
+}
+
+bool find_vessels(Run& run, const Staged<CtVolume>& ct, Landmarks& landmarks, std::vector<Warning>& warnings) {
+  try {
+    landmarks = complete_landmarks(run, ct, landmarks, warnings, {}).landmarks;
+    return true;
+  } catch (const UserError& error) {
+    warnings.push_back(
+        {"labels.no_vessels", WarningLevel::warning,
+         fmt::format("The great vessels that the given labels lack were not found in the CT: {}.", error.problem)});
+    return false;
+  }
+}
+
+std::vector<Warning> label_warnings(const LabelVolume& given, const LabelVolume& heart, bool has_ct) {
+  std::vector<Warning> warnings;
+  if (!given.voxels.empty()) warnings.push_back(completion_warning(given, heart, has_ct));
+  const auto valves = labels::closed_valves(heart);
+  warnings.insert(warnings.end(), valves.begin(), valves.end());
+  print_warnings(valves);
+  return warnings;
 }
 
 KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const std::string& hash,
@@ -143,16 +219,20 @@ KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe
   if (recipe.input.labels.empty()) return known;
   const bool has_ct = !recipe.input.ct.empty();
   known.given = run.root_stage("given", {ct.key, hash, recipe_section(recipe, "labels")}, [&] {
-    return labels::read_given_labels(recipe.input, recipe.labels, has_ct ? &ct->grid : nullptr);
+    auto given = labels::read_given_labels(recipe.input, recipe.labels, has_ct ? &ct->grid : nullptr);
+    labels::refuse_no_heart(given.labels, recipe.input.labels);
+    const auto islands = labels::drop_islands(given.labels);
+    given.warnings.insert(given.warnings.end(), islands.begin(), islands.end());
+    return given;
   });
   known.missing = parallel::run_on_root(run.comm, [&] {
     auto missing = labels::missing_groups(known.given->labels, recipe.labels);
-    labels::refuse_exchanged_regions(known.given->labels, recipe.input.labels);
     if (has_ct) labels::refuse_labels_beside_heart(known.given->labels, *ct, recipe.input.labels);
     if (!has_ct) refuse_what_needs_a_ct(known.given->labels, missing, recipe.input.labels);
     warnings.insert(warnings.end(), known.given->warnings.begin(), known.given->warnings.end());
-    warnings.push_back(completion_warning(missing, has_ct));
+    print_warnings(known.given->warnings);
     missing.body &= has_ct;
+    missing.vessels &= has_ct;
     return missing;
   });
   parallel::broadcast(run.comm, known.missing);
@@ -166,7 +246,7 @@ Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe&
                                                   from_file("epicardium") || from_file("body"));
   if (whole_map) return run.root_stage("labels", {known.given.key}, [&] { return known.given->labels; });
 
-  const bool make_chambers = known.missing.chambers && !from_file("chambers");
+  const bool make_chambers = (known.missing.chambers || known.missing.vessels) && !from_file("chambers");
   const bool make_body = known.missing.body && !from_file("body");
   if (make_chambers || make_body) parallel::run_on_root(run.comm, [&] { segment::require_hounsfield(*ct); });
   const LabelVolume given = labels_not_from_files(run, *known.given);
@@ -180,12 +260,13 @@ Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe&
                      [&] { return segment::segment(*smooth, recipe.segmentation, run.comm); });
   const std::vector<std::string> sources = {tree.key, known.given.key, recipe_section(recipe, "landmarks"),
                                             recipe_section(recipe, "chambers")};
-  const auto chambers = run.root_stage("chambers", sources, [&] {
+  const bool has_labels = !recipe.input.labels.empty();  // their crumbs depend on the edges
+  const std::string edge = has_labels ? fmt::to_string(recipe.mesh.heart_edge_mm) : "";
+  const auto chambers = run.root_stage("chambers", with(sources, edge), [&] {
     LabelVolume own(ct->grid);
     if (make_chambers) own = segment::split_chambers(*ct, *tree, recipe.landmarks, recipe.chambers);
     segment::clear_padding(own, padding);
-    own = labels::with_given(std::move(own), given, labels::Group::chambers);
-    return labels::with_filled_pockets(std::move(own), given);
+    return complete_chambers(std::move(own), given, *ct, recipe);
   });
   const auto walls =
       run.stage("epicardium", {ct.key, chambers.key, known.given.key, recipe_section(recipe, "epicardium")}, [&] {

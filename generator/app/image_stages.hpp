@@ -1,5 +1,6 @@
 // The image stages of a build: landmarks where the recipe gives none, and the label map of a CT.
 #pragma once
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,8 @@ namespace heart::app {
 
 /// What is known of the label map before the image stages begin, and what they must add.
 struct KnownLabels {
-  Staged<labels::GivenLabels> given{};              ///< no voxels: nothing is given. Root only
-  labels::MissingGroups missing{true, true, true};  ///< on every rank
+  Staged<labels::GivenLabels> given{};                     ///< no voxels: nothing is given. Root only
+  labels::MissingGroups missing{true, false, true, true};  ///< on every rank
 };
 
 /// Closes what was not measured of a CT where cut lungs open into it, unless labels are given. Root only has the
@@ -25,15 +26,30 @@ segment::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& 
 /// Whether seeds for all four chambers are given, so that none need to be looked for.
 bool chambers_are_marked(const Landmarks& landmarks);
 
+/// What to do with automatic landmarks that can hardly be a heart's.
+struct Doubt {
+  bool is_accepted = false;         ///< go on, and mark the model
+  std::filesystem::path picture{};  ///< where a picture of what was found is written before they are refused
+};
+
 struct CompletedLandmarks {
   Landmarks landmarks;
   double ventricles_cut_cm2 = 0;  ///< as far as a search has seen that. Root only
 };
 
 /// The recipe's landmarks, completed by those found in the CT where the recipe does not mark all four chambers.
-/// What the recipe gives wins. @collective
+/// What the recipe gives wins. Warnings above a note are printed at once. Throws UserError where a chamber was not
+/// found, and for what can hardly be a heart unless that is accepted. @collective
 CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
-                                      std::vector<Warning>& warnings);
+                                      std::vector<Warning>& warnings, const Doubt& doubt = {});
+
+/// Completes the landmarks for the great vessels that given labels lack; false, with a warning, where the CT does not
+/// show them. @collective
+bool find_vessels(Run& run, const Staged<CtVolume>& ct, Landmarks& landmarks, std::vector<Warning>& warnings);
+
+/// What the finished map says: what was made beside the given labels (no voxels: none), and valves that are closed.
+/// Root only.
+std::vector<Warning> label_warnings(const LabelVolume& given, const LabelVolume& heart, bool has_ct);
 
 /// Reads the recipe's `input.labels`, if any, on the CT's grid; `hash` stands for the files' contents. Without a CT
 /// (no voxels) they keep their own grid, and what only a CT could add is missing no more, which the warnings say.

@@ -1,5 +1,7 @@
 #include "generator/app/options.hpp"
 
+#include "generator/labels/presets.hpp"
+
 namespace heart::app {
 
 CLI::App* subcommand(Program& p, const std::string& name, const std::string& what, const std::string& example,
@@ -12,6 +14,12 @@ CLI::App* subcommand(Program& p, const std::string& name, const std::string& wha
 
 std::function<int()> on_root(Program& p, std::function<int()> action) {
   return [&p, action = std::move(action)] { return parallel::run_on_root(p.comm, action); };
+}
+
+std::string preset_names() {
+  std::string names;
+  for (const auto& preset : labels::label_presets()) names += (names.empty() ? "" : ", ") + std::string(preset.name);
+  return names;
 }
 
 void add_heart_options(Program& p, CLI::App& sub, datasets::HeartOverrides& heart) {

@@ -32,6 +32,7 @@ struct Program {
   FilterCommand filter{};
   SegmentCommand segment{};
   MeshCommand mesh{};
+  LandmarksCommand landmarks{};
   ImproveCommand improve{};
   InpaintCommand inpaint{};
   TransferCommand transfer{};
@@ -55,6 +56,9 @@ CLI::App* subcommand(Program& p, const std::string& name, const std::string& wha
 
 /// The action on the root alone, while the other ranks wait for its outcome.
 std::function<int()> on_root(Program& p, std::function<int()> action);
+
+/// Of label maps, for the help.
+std::string preset_names();
 
 /// What makes a phantom's heart unusual.
 void add_heart_options(Program& p, CLI::App& sub, datasets::HeartOverrides& heart);

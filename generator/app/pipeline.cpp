@@ -240,11 +240,12 @@ std::vector<StagePlan> stage_plan(const Recipe& recipe, const labels::MissingGro
     if (wanted) plan.push_back({stage, weight});
   };
   const ReplaceSettings& files = recipe.replace;
-  const bool chambers = missing.chambers && files.chambers.empty(), body = missing.body && files.body.empty();
+  const bool chambers = (missing.chambers || missing.vessels) && files.chambers.empty();
+  const bool body = missing.body && files.body.empty();
   const bool parts = files.labels.empty() &&
                      (missing.any() || !files.chambers.empty() || !files.epicardium.empty() || !files.body.empty());
   add(!recipe.input.labels.empty(), "given", 3);
-  add(missing.chambers && !chambers_are_marked(recipe.landmarks), "landmarks", 8);
+  add((missing.chambers || missing.vessels) && !chambers_are_marked(recipe.landmarks), "landmarks", 8);
   add(parts && (chambers || body) && files.segment.empty(), "denoise", 2);
   add(parts && (chambers || body), "segment", 8);
   add(parts, "chambers", 8);
@@ -289,6 +290,9 @@ StageFiles stage_files(const Recipe& recipe, const BuildOptions& options) {
   return files;
 }
 
+/// Of landmarks that are refused.
+fs::path picture_beside(const BuildOptions& options) { return fs::path(options.output.string() + ".landmarks.png"); }
+
 /// Leaves in the recipe the files that changed a result, and says so.
 void settle_replacements(const Run& run, ReplaceSettings& replace, std::vector<exporters::BundleInput>& inputs,
                          std::vector<Warning>& warnings) {
@@ -319,7 +323,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   Run run;
   run.comm = comm;
   run.cache_folder = options.cache_folder;
-  run.progress = make_progress(stage_plan(recipe, {true, true, true}), options.progress && comm.is_root());
+  run.progress = make_progress(stage_plan(recipe, {true, false, true, true}), options.progress && comm.is_root());
   run.files = stage_files(recipe, options);
   const auto existing = options.replace ? exporters::Existing::replace : exporters::Existing::refuse;
   exporters::ReservedPlace place;
@@ -334,8 +338,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
 
   auto ct = run.root_stage("read", {hash_of(inputs, "ct")},
                            [&] { return recipe.input.ct.empty() ? CtVolume{} : adapters::read_ct(recipe.input.ct); });
-  const auto known =
-      read_known_labels(run, ct, recipe, hash_of(inputs, "labels") + hash_of(inputs, "label_names"), warnings);
+  auto known = read_known_labels(run, ct, recipe, hash_of(inputs, "labels") + hash_of(inputs, "label_names"), warnings);
   run.progress.plan = stage_plan(recipe, known.missing);
   if (recipe.input.ct.empty()) ct.value.grid = known.given->labels.grid;  // without voxels
   run.files.grid = ct->grid;
@@ -344,14 +347,18 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   const auto& files = run.files.replaced_by;
   const bool chambers_of_ct = known.missing.chambers && !files.contains("chambers") && !files.contains("labels");
   if (known.missing.chambers) {
-    auto completed = complete_landmarks(run, ct, recipe.landmarks, warnings);
+    auto completed =
+        complete_landmarks(run, ct, recipe.landmarks, warnings, {options.accept_doubtful, picture_beside(options)});
     recipe.landmarks = std::move(completed.landmarks);
     parallel::run_on_root(comm, [&] {
       if (chambers_of_ct) refuse_cut_ventricles(completed.ventricles_cut_cm2);
     });
   }
+  if (known.missing.vessels) known.missing.vessels = find_vessels(run, ct, recipe.landmarks, warnings);
   auto heart = label_ct(run, ct, recipe, known, padding);
   parallel::run_on_root(comm, [&] {
+    const auto told = label_warnings(known.given->labels, *heart, !recipe.input.ct.empty());
+    warnings.insert(warnings.end(), told.begin(), told.end());
     segment::reopen_padding(ct.value, padding);
     refuse_empty_regions(*heart, recipe);
     check_memory(*heart, recipe.mesh, machine_memory_bytes());

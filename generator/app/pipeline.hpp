@@ -15,6 +15,7 @@ struct BuildOptions {
   std::filesystem::path keep_stages;   ///< where the image stages' results are written as files; empty: nowhere
   bool replace = false;                ///< replace an existing bundle
   bool progress = true;
+  bool accept_doubtful = false;  ///< go on with automatic landmarks that can hardly be a heart's
 };
 
 struct BuildResult {

@@ -31,9 +31,13 @@ void add_tools(Program& p) {
 
   auto* mesh =
       subcommand(p, "mesh", "Mesh a label map (.vtu with a .vtp of the labelled faces beside it, or .msh, .vtk)",
-                 "heartgen mesh labels.nii.gz heart.vtu --edge 1.5", on_root(p, [&p] { return mesh_command(p.mesh); }));
-  mesh->add_option("labels", p.mesh.labels, "label map with the tags of a bundle's manifest")->required();
+                 "heartgen mesh labels.nii.gz heart.vtu --edge 1.5\n"
+                 "  heartgen mesh heartchambers.nii.gz heart.vtu --preset totalsegmentator_heart",
+                 on_root(p, [&p] { return mesh_command(p.mesh); }));
+  mesh->add_option("labels", p.mesh.labels, "label map, or a folder with one mask per structure")->required();
   mesh->add_option("output", p.mesh.output, "mesh to write (.vtu, .msh or .vtk)")->required();
+  mesh->add_option("--preset", p.mesh.preset, "what its values and names mean (default heartgen): " + preset_names());
+  mesh->add_option("--names", p.mesh.label_names, "table of value and name of every structure (.csv or .json)");
   mesh->add_option("--edge", p.mesh.edge_mm, "edge length in the walls of the heart, mm");
   mesh->add_option("--layers", p.mesh.wall_layers, "cells across thin walls, 0 to 4 (default: the recipe's)");
   mesh->add_option("--size-field", p.mesh.size_field, "image of edge lengths in mm, 0 where nothing is wished");
@@ -42,12 +46,14 @@ void add_tools(Program& p) {
                  "the walls of the heart alone, as five regions with rounded rims: half the time, no blood");
   mesh->add_flag("--json", p.mesh.json, "print the certificate as JSON");
 
-  auto* landmarks = subcommand(p, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT",
-                               "heartgen landmarks patient.nii.gz --output landmarks.json",
-                               on_root(p, [&p] { return landmarks_command(p.ct, p.path, p.json); }));
-  landmarks->add_option("ct", p.ct, "CT volume or DICOM folder")->required();
-  landmarks->add_option("-o,--output", p.path, "landmarks file to write, for input.landmarks of a recipe");
-  landmarks->add_flag("--json", p.json, "print as JSON");
+  auto* landmarks = subcommand(
+      p, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT (exit 3 for a doubtful heart)",
+      "heartgen landmarks patient.nii.gz --output landmarks.json",
+      on_root(p, [&p] { return landmarks_command(p.landmarks); }));
+  landmarks->add_option("ct", p.landmarks.ct, "CT volume or DICOM folder")->required();
+  landmarks->add_option("-o,--output", p.landmarks.output, "landmarks file to write, for build --landmarks");
+  landmarks->add_option("--picture", p.landmarks.picture, "picture of what was found to write (.png)");
+  landmarks->add_flag("--json", p.landmarks.json, "print as JSON");
 
   auto* phantom = subcommand(p, "phantom", "Write the analytic phantom: CT, truth, landmarks, atlas and recipe",
                              "heartgen phantom demo/phantom --size 256,256,160 --spacing 1.4,1.4,1.9",

@@ -3,58 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
+#include "generator/labels/contacts.hpp"
 #include "model/error.hpp"
 
 namespace heart::labels {
 namespace {
 
 using enum Region;
-
-constexpr double far_more = 2;     // as much contact as with the right neighbour, before it is a mistake
-constexpr double least_mm2 = 100;  // less than the smallest valve
-constexpr std::size_t regions = 18;
-
-/// Areas over which voxels of two regions touch.
-struct Contacts {
-  std::array<std::array<double, regions>, regions> area_mm2{};
-  std::array<bool, 256> is_there{};
-
-  void add(std::uint8_t a, std::uint8_t b, double area) {
-    if (a == b || a >= regions || b >= regions) return;
-    area_mm2[a][b] += area;
-    area_mm2[b][a] += area;
-  }
-  /// With what lies around the heart.
-  double outside(Region region) const {
-    return of(region, none) + of(region, torso) + of(region, lung) + of(region, liver) + of(region, bone);
-  }
-  double of(Region a, Region b) const { return area_mm2[tag(a)][tag(b)]; }
-  /// Whether `region` touches `wrong` as it should touch `right`, which is there.
-  bool prefers(Region region, Region wrong, Region right) const {
-    return is_there[tag(right)] && of(region, wrong) > least_mm2 && of(region, wrong) > far_more * of(region, right);
-  }
-};
-
-Contacts contacts_in(const LabelVolume& labels) {
-  Contacts contacts;
-  const auto& size = labels.grid.size;
-  const Vec3& s = labels.grid.spacing_mm;
-  const std::array<double, 3> area{s.y * s.z, s.x * s.z, s.x * s.y};
-  const std::array<std::int64_t, 3> step{1, size[0], size[0] * size[1]};
-  std::size_t v = 0;
-  for (std::int64_t k = 0; k < size[2]; ++k)
-    for (std::int64_t j = 0; j < size[1]; ++j)
-      for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
-        contacts.is_there[labels.voxels[v]] = true;
-        const std::array<bool, 3> has_next{i + 1 < size[0], j + 1 < size[1], k + 1 < size[2]};
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          if (has_next[axis])
-            contacts.add(labels.voxels[v], labels.voxels[v + static_cast<std::size_t>(step[axis])], area[axis]);
-      }
-  return contacts;
-}
 
 /// The mean place of a region along x, LPS mm: it rises to the patient's left.
 double middle_x_mm(const LabelVolume& labels, Region region) {

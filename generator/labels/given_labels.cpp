@@ -9,6 +9,8 @@
 #include <set>
 
 #include "generator/adapters/itk_io.hpp"
+#include "generator/labels/islands.hpp"
+#include "generator/labels/judge.hpp"
 #include "generator/labels/names_file.hpp"
 #include "generator/labels/presets.hpp"
 #include "generator/parallel/threads.hpp"
@@ -128,8 +130,8 @@ void paint_layer(LabelVolume& labels, const Volume<std::int32_t>& layer, Meaning
   }
 }
 
-LabelVolume labels_of_image(const std::string& path, const Dictionary& dictionary, const ValueNames& names) {
-  const adapters::LabelImage image = adapters::read_label_image(path);
+LabelVolume paint_layers(const adapters::LabelImage& image, const std::string& path, const Dictionary& dictionary,
+                         const ValueNames& names) {
   LabelVolume labels(image.layers.front().grid);
   for (std::size_t layer = 0; layer < image.layers.size(); ++layer) {
     ValueNames names_here = names;
@@ -139,6 +141,23 @@ LabelVolume labels_of_image(const std::string& path, const Dictionary& dictionar
                 [&](std::int32_t value) { return region_of_value(dictionary, value, names_here, path); });
   }
   return labels;
+}
+
+/// Whatever is wrong with numbers that nobody has named: another preset may make a heart of them.
+LabelVolume labels_of_image(const std::string& path, const Dictionary& dictionary, const ValueNames& names) {
+  const adapters::LabelImage image = adapters::read_label_image(path);
+  const bool is_named = !names.empty() || !image.segments.empty();
+  if (is_named || !dictionary.user.empty() || !dictionary.ignored.empty())
+    return paint_layers(image, path, dictionary, names);
+  try {
+    LabelVolume labels = paint_layers(image, path, dictionary, names);
+    refuse_another_task(image, labels, *dictionary.preset, path);
+    return labels;
+  } catch (const UserError& error) {
+    const std::string other = fitting_preset(image);
+    if (other.empty() || other == dictionary.preset->name) throw;
+    throw UserError(error.problem, error.where, fmt::format("use --preset {}, or {}", other, error.remedy));
+  }
 }
 
 /// "heart_atrium_left" of "heart_atrium_left.nii.gz"; empty for a file that is no image.
@@ -251,22 +270,6 @@ GivenLabels read_given_labels(const InputSettings& input, const LabelSettings& s
   return given;
 }
 
-void refuse_labels_beside_heart(const LabelVolume& labels, const CtVolume& ct, const std::string& path) {
-  constexpr int lung_hu = -200;
-  constexpr double most = 0.1;  // of true labels, a hundredth: partial volumes at the lungs
-  std::int64_t heart = 0, in_air = 0;
-  for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
-    const auto region = static_cast<Region>(labels.voxels[v]);
-    if (!is_myocardium(region) && !is_blood(region)) continue;
-    ++heart;
-    in_air += ct.voxels[v] < lung_hu;
-  }
-  const double share = heart == 0 ? 0 : static_cast<double>(in_air) / static_cast<double>(heart);
-  if (share > most)
-    throw UserError(fmt::format("{:.0f} % of the labels' heart lies in air or lung of the CT", 100 * share), path,
-                    "are both of the same patient, and in the same frame? RAS taken for LPS turns x and y round");
-}
-
 bool same_place(const Grid& a, const Grid& b) {
   constexpr double tolerance_mm = 1e-2;
   if (a.size != b.size) return false;
@@ -295,7 +298,9 @@ MissingGroups missing_groups(const LabelVolume& given, const LabelSettings& sett
     return std::any_of(regions.begin(), regions.end(), [&](Region region) { return !found[tag(region)]; });
   };
   using enum Region;
-  return {listed(settings.complete, "chambers") && lacks({lv_blood, rv_blood, la_blood, ra_blood}),
+  const bool lacks_chamber = lacks({lv_blood, rv_blood, la_blood, ra_blood});
+  return {listed(settings.complete, "chambers") && lacks_chamber,
+          listed(settings.complete, "chambers") && !lacks_chamber && lacks({aorta, pulmonary_artery}),
           listed(settings.complete, "walls") && lacks({lv_myocardium, rv_myocardium, la_wall, ra_wall}),
           listed(settings.complete, "body") && lacks({torso})};
 }

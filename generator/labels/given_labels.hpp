@@ -24,10 +24,6 @@ struct GivenLabels {
 /// a voxel, files on different grids, labels that do not reach into `grid`, and what the readers refuse. Root only.
 GivenLabels read_given_labels(const InputSettings& input, const LabelSettings& settings, const Grid* grid);
 
-/// Throws UserError, naming `path`, where more than a tenth of the labels' heart lies in air or lung of the CT, as
-/// after a mistake between LPS and RAS or with another patient's labels. Both are on one grid.
-void refuse_labels_beside_heart(const LabelVolume& labels, const CtVolume& ct, const std::string& path);
-
 /// Whether the voxels of two grids are the same points, but for what formats that store 32-bit floats may differ by.
 bool same_place(const Grid& a, const Grid& b);
 
@@ -37,9 +33,10 @@ bool holds(const LabelVolume& labels, Region region);
 /// The groups that our own stages must add, as far as `settings.complete` allows it.
 struct MissingGroups {
   bool chambers = false;  ///< one of the four chambers has no voxel
+  bool vessels = false;   ///< the four chambers are there, aorta or pulmonary artery is not
   bool walls = false;     ///< a chamber's wall has none
   bool body = false;      ///< the torso has none
-  bool any() const { return chambers || walls || body; }
+  bool any() const { return chambers || vessels || walls || body; }
 };
 /// Throws UserError for an unknown group in `settings.complete`.
 void check_settings(const LabelSettings& settings);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "generator/landmarks/judge.hpp"
 #include "generator/landmarks/statistics.hpp"
 
 namespace heart::landmarks {
@@ -57,20 +58,47 @@ bool is_cut_vessel(const LabelVolume& chambers, const std::string& name) {
 }
 
 void check_volumes(const Findings& findings, Report& report) {
-  constexpr double half_missing = 0.2;
   if (!has_right_heart(findings))
-    report.warn(half_missing,
+    report.warn(missing_half_keeps,
                 "the right heart is not clearly brighter than muscle: give the seeds rv_blood, ra_blood and "
                 "pulmonary_artery and the tricuspid and pulmonary valve planes by hand");
   for (const Range& range : volume_ranges_ml) {
     if (!has_right_heart(findings) && is_of_right_heart(range.name)) continue;
     const auto at = findings.volumes_ml.find(range.name);
     if (at == findings.volumes_ml.end() || at->second == 0)
-      report.warn(severe, fmt::format("{} was not found: give its seed by hand", range.name));
+      report.warn(missing_keeps, fmt::format("{} was not found: give its seed by hand", range.name));
     else if (at->second > range.high || (at->second < range.low && !is_cut_vessel(findings.chambers, range.name)))
       report.warn(minor, fmt::format("{} holds {:.0f} ml, expected {:.0f} to {:.0f}", range.name, at->second, range.low,
                                      range.high));
   }
+}
+
+/// A pool that swallowed a part of another, or lost one to it, may still have a volume that hearts have.
+void check_ratios(const Findings& findings, Report& report) {
+  struct Ratio {
+    const char *one, *other;
+    double low, high;
+  };
+  // Of the volumes of healthy adults 0.9 to 1.3, 0.4 to 1.1 and 0.4 to 1.1; the rest is for diseases and phases.
+  constexpr Ratio ratios[] = {
+      {"rv_blood", "lv_blood", 0.45, 3}, {"ra_blood", "rv_blood", 0.2, 2}, {"la_blood", "lv_blood", 0.2, 2.5}};
+  for (const auto& [one, other, low, high] : ratios) {
+    const double above = findings.volumes_ml.at(one), below = findings.volumes_ml.at(other);
+    if (above == 0 || below == 0 || (above > low * below && above < high * below)) continue;
+    report.warn(severe, fmt::format("{} holds {:.2g} times as much as {}, expected {:g} to {:g}", one, above / below,
+                                    other, low, high));
+  }
+}
+
+/// The left ventricle's wall is muscle; a vertebra's is bone.
+void check_left_wall(const Findings& findings, Report& report) {
+  constexpr double most_bone = 0.03, bone_keeps = 0.2, least_muscle = 0.45;
+  if (findings.left_wall.bone > most_bone)
+    report.warn(bone_keeps, fmt::format("{:.0f} % of what lies around the left ventricle is as bright as bone",
+                                        100 * findings.left_wall.bone));
+  if (findings.left_wall.muscle < least_muscle)
+    report.warn(severe, fmt::format("only {:.0f} % of what lies around the left ventricle is as grey as muscle",
+                                    100 * findings.left_wall.muscle));
 }
 
 void check_field_of_view(const FoundLandmarks& found, Report& report) {
@@ -104,7 +132,7 @@ void check_valve_shapes(const Findings& findings, Report& report) {
     if (!has_right_heart(findings) && is_of_right_heart(range.name)) continue;
     const auto at = findings.valves.find(range.name);
     if (at == findings.valves.end()) {
-      report.warn(severe, fmt::format("the {} valve was not found: give its plane by hand", range.name));
+      report.warn(missing_keeps, fmt::format("the {} valve was not found: give its plane by hand", range.name));
       continue;
     }
     const ValvePatch& valve = at->second;
@@ -200,6 +228,8 @@ void check_anatomy(const Findings& findings, FoundLandmarks& found) {
   check_field_of_view(found, report);
   check_contrast(findings, report);
   check_volumes(findings, report);
+  check_ratios(findings, report);
+  check_left_wall(findings, report);
   check_valve_shapes(findings, report);
   check_angles(findings, report);
   check_order(findings, report);

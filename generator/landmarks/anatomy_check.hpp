@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "generator/landmarks/landmarks.hpp"
+#include "generator/landmarks/left_wall.hpp"
 #include "generator/landmarks/long_axis.hpp"
 #include "generator/landmarks/valves.hpp"
 #include "generator/segment/faint_blood.hpp"
@@ -14,6 +15,7 @@ struct Findings {
   const std::map<std::string, ValvePatch>& valves;
   const LongAxis& axis;
   const std::map<std::string, double>& volumes_ml;
+  LeftWall left_wall{};
   double ventricle_certainty = 0;
   std::optional<double> left_of_spine_mm{};       ///< middle of the heart's blood; none where the spine is not sure
   std::optional<segment::FaintContrast> faint{};  ///< of the right heart, where it was found by that

@@ -182,7 +182,8 @@ SearchResult search_in(const Subject& subject, const Scene& scene) {
     found.landmarks.valves[name] = {valve.centre_mm, valve.normal, 0.5 * valve.diameter_mm + margin_mm};
   found.landmarks.lv_apex_mm = chambers.axis.apex_mm;
   found.long_axis = chambers.axis.direction;
-  check_anatomy({chambers.labels, valves, chambers.axis, found.volumes_ml, chambers.ventricle_certainty,
+  check_anatomy({chambers.labels, valves, chambers.axis, found.volumes_ml,
+                 look_at_left_wall(chambers.labels, chambers.image.smooth), chambers.ventricle_certainty,
                  chambers.left_of_spine_mm,
                  chambers.right.faint ? std::optional(chambers.right.faint->contrast) : std::nullopt, subject.slanted},
                 found);

@@ -1,4 +1,4 @@
-// Private to this folder: the search as a whole, with everything it leaves behind (for tests and pictures).
+// The search as a whole, with everything it leaves behind (for tests and pictures).
 #pragma once
 #include <string>
 #include <utility>

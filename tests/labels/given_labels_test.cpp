@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "generator/adapters/itk_io.hpp"
+#include "generator/labels/judge.hpp"
 #include "generator/labels/names_file.hpp"
 #include "generator/labels/presets.hpp"
 #include "model/error.hpp"

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -19,6 +19,11 @@ constexpr const char* remedy = "write it again as gmsh's version 2.2 or 4.1";
   throw UserError(problem, path.string(), remedy);
 }
 
+constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
+
+/// Without the sign, which the smallest number of all would keep.
+std::int32_t magnitude(std::int32_t tag) { return tag >= 0 ? tag : tag >= -most ? -tag : most; }
+
 std::string name_of(int dimension) { return dimension == 3 ? "volume" : "surface"; }
 std::string label_of(int dimension) { return dimension == 3 ? "region" : "label"; }
 
@@ -29,7 +34,7 @@ std::vector<std::int32_t> groups_of(const MshContent& content, int dimension, st
   const auto found = content.entities.find({dimension, tag});
   if (found == content.entities.end()) return {};
   const auto is_of_partition = [&](std::int32_t group) {
-    const auto name = content.names.find({dimension, std::abs(group)});
+    const auto name = content.names.find({dimension, magnitude(group)});
     return name != content.names.end() && name->second.starts_with("_part{");
   };
   auto groups = found->second.groups;
@@ -63,10 +68,12 @@ struct Labels {
   template <std::size_t N>
   Labels(const MshContent& from, int of_dimension, const MshElements<N>& elements)
       : content(&from), dimension(of_dimension) {
-    for (std::size_t e = 0; e < elements.entity.size(); ++e) signed_label[{elements.entity[e], elements.group[e]}] = 0;
+    for (std::size_t e = 0; e < elements.entity.size(); ++e)
+      if (!lies_between_partitions(from, dimension, elements.entity[e]))
+        signed_label[{elements.entity[e], elements.group[e]}] = 0;
     for (auto& [of, label] : signed_label) {
       label = of.second != 0 ? of.second : group_of_entity(of.first);
-      if (label != 0) used.insert(std::abs(label));
+      if (label != 0) used.insert(magnitude(label));
     }
     number_the_rest();
   }
@@ -76,7 +83,7 @@ struct Labels {
     const auto whole = whole_entity(*content, dimension, entity);
     if (groups.size() > 1 && in_several.insert(whole).second)
       remarks.push_back(fmt::format("{} {} is in the groups {}: its {} is {}", name_of(dimension), whole,
-                                    fmt::join(groups, ", "), label_of(dimension), std::abs(groups[0])));
+                                    fmt::join(groups, ", "), label_of(dimension), magnitude(groups[0])));
     return groups[0];
   }
   /// Entities and groups have numbers of their own: an entity's may be that of another group.
@@ -87,7 +94,7 @@ struct Labels {
       if (label != 0) continue;
       const auto whole = whole_entity(*content, dimension, of.first);
       const auto known = label_of_whole.find(whole);
-      label = known != label_of_whole.end() ? known->second : free_label(std::max(std::abs(whole), 1));
+      label = known != label_of_whole.end() ? known->second : free_label(std::max(magnitude(whole), 1));
       if (known != label_of_whole.end()) continue;
       label_of_whole[whole] = label;
       if (has_groups)
@@ -96,8 +103,10 @@ struct Labels {
     }
   }
   std::int32_t free_label(std::int32_t wanted) {
-    if (!used.insert(wanted).second) wanted = *used.insert(*used.rbegin() + 1).first;
-    return wanted;
+    if (used.insert(wanted).second) return wanted;
+    std::int32_t free = *used.rbegin() < most ? *used.rbegin() + 1 : 1;
+    while (!used.insert(free).second) ++free;
+    return free;
   }
 };
 
@@ -145,7 +154,7 @@ KeptElements<N> kept_elements(const MshContent& content, const MshElements<N>& e
     }
     const auto label = labels.signed_label.at({elements.entity[e], elements.group[e]});
     if (label < 0 && N == 3) std::swap(nodes[1], nodes[2]);  // the group takes the surface turned over
-    kept.label.push_back(std::abs(label));
+    kept.label.push_back(magnitude(label));
     kept.id.push_back(elements.id[e]);
   }
   remarks.insert(remarks.end(), labels.remarks.begin(), labels.remarks.end());

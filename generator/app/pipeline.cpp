@@ -357,13 +357,13 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   if (known.missing.vessels) known.missing.vessels = find_vessels(run, ct, recipe.landmarks, warnings);
   auto heart = label_ct(run, ct, recipe, known, padding);
   parallel::run_on_root(comm, [&] {
-    const auto told = label_warnings(known.given->labels, *heart, !recipe.input.ct.empty());
-    warnings.insert(warnings.end(), told.begin(), told.end());
     segment::reopen_padding(ct.value, padding);
     refuse_empty_regions(*heart, recipe);
     check_memory(*heart, recipe.mesh, machine_memory_bytes());
     if (chambers_of_ct) refuse_cut_ventricles(*heart, padding);
     refuse_mirrored_heart(*heart, recipe.landmarks);
+    const auto told = label_warnings(known.given->labels, *heart, !recipe.input.ct.empty());
+    warnings.insert(warnings.end(), told.begin(), told.end());
     settle_replacements(run, recipe.replace, inputs, warnings);
   });
   const auto torso_hash =

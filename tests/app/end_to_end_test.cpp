@@ -210,7 +210,8 @@ class StagesByHand : public EndToEnd {
   }
   static constexpr const char* quick =
       "[mesh]\nmeshes = [\"myocardium\"]\nheart_edge_mm = 4\n"
-      "[fibers]\ngrid_mm = 3\ndepth_grid_mm = 3\ndemons_iterations = [5, 3, 1]\n";
+      "[fibers]\ngrid_mm = 3\ndepth_grid_mm = 3\ndemons_iterations = [5, 3, 1]\n"
+      "[validation]\nuses = [\"finite_volumes\"]\n";  // such edges serve no other
   static void write_recipe(const std::string& name, const std::string& extra) {
     std::ofstream(folder() + "/" + name) << "[input]\nct = \"phantom/ct.nii.gz\"\n"
                                          << "landmarks = \"phantom/landmarks.json\"\n"
@@ -306,8 +307,12 @@ TEST_F(StagesByHand, ChambersFromElsewhereGetTheirWallsFromTheCt) {
 
 TEST_F(StagesByHand, LabelsWithoutACt) {
   std::ofstream(folder() + "/no_ct.toml") << quick;
-  build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");
-  EXPECT_EQ(labels("by_hand/images/labels.nii.gz").voxels, labels("phantom/truth/labels.nii.gz").voxels);
+  const auto told = build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");
+  const auto result = labels("by_hand/images/labels.nii.gz"), truth = labels("phantom/truth/labels.nii.gz");
+  std::size_t dropped = 0;
+  for (std::size_t v = 0; v < truth.voxels.size(); ++v) dropped += result.voxels[v] != truth.voxels[v];
+  EXPECT_LE(dropped, 1U) << "a voxel of atrial wall stands alone in the truth";
+  EXPECT_EQ(dropped > 0, told.find("were dropped") != std::string::npos) << told;
 }
 
 // A field of view whose border cuts the lungs, in padding.

@@ -79,7 +79,7 @@ TEST_F(EndToEnd, ValidateLosesNoRowOfTheBuild) {
     EXPECT_EQ(std::ranges::count_if(rows(), is_it), 1) << row;
     groups.insert(row["group"].get<std::string>());
   }
-  EXPECT_EQ(groups, (std::set<std::string>{"fibers", "fit", "labels", "mesh"}));
+  EXPECT_EQ(groups, (std::set<std::string>{"anatomy", "fibers", "fit", "labels", "mesh"}));
 }
 
 TEST_F(EndToEnd, LabelsAgreeWithTheTruth) {

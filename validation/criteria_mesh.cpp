@@ -93,6 +93,10 @@ std::vector<Criterion> label_criteria(const ValidationSettings& settings) {
   add(Where::outside_heart, "*", "*", told(), coarse);
   add(Where::anywhere, "*/papillary", "dice_with_labels", {0.6, 0.75, {}, {}}, same_place);
   add(Where::anywhere, "*/papillary", "volume_difference", between(-30, -15, 15, 30), same_volume);
+  for (const char* vessel : {"*/aorta", "*/pulmonary_artery"}) {  // stumps: their ends are cut level, branches go
+    add(Where::anywhere, vessel, "dice_with_labels", {0.7, 0.9, {}, {}}, same_place);
+    add(Where::anywhere, vessel, "volume_difference", between(-30, -8, 8, 30), same_volume);
+  }
   add(Where::wall, "*", "dice_with_labels", {0.8, 0.88, {}, {}}, same_place);
   add(Where::blood, "*", "dice_with_labels", {0.9, 0.94, {}, {}}, same_place);
   add(Where::wall, "*", "volume_difference", between(-12, -6, 6, 12), same_volume);

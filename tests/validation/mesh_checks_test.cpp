@@ -45,7 +45,7 @@ void list_faces(TetMesh& mesh) {
         mesh.faces.push_back(face);
     }
   }
-  mesh.surface.assign(mesh.faces.size(), 1);
+  mesh.surface.assign(mesh.faces.size(), *surface_from_name("epicardium"));
 }
 
 TetMesh regular() {

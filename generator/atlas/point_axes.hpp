@@ -6,10 +6,10 @@
 
 namespace heart::atlas {
 
-/// Unit axis per point from one per cell (any length, zero where there is none). Around each point the angles of the
-/// cells two steps away are fitted by a function that is linear in place, weighted by distance: the middles of the
-/// cells at a wall all lie on one side of it, and their mean is the axis half a cell deep. Zero where no cell near has
-/// an axis. Threads; the same bits for any number of them.
+/// Unit axis per point from one per cell (any length, zero where there is none), such that the mean of a cell's four
+/// points, which is the axis at its middle, is the given one: the mean of the cells around a point on a wall is the
+/// axis half a cell deep. From those means on, points are turned again and again by what their cells still lack. Zero
+/// where no cell around has an axis. Threads; the same bits for any number of them.
 std::vector<Vec3> point_axes(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                              const std::vector<Vec3>& cell_axes);
 

@@ -114,10 +114,30 @@ TEST(PointAxes, OfCellsAreExtrapolatedToTheWalls) {
   const auto fitted = atlas::point_axes(wall.points, wall.cells, wall.cell_axes);
   for (const double x : {0.0, 4.0}) {
     EXPECT_GT(wall.error_deg(means, x), 10) << "means lie half a cell deep";
-    EXPECT_LT(wall.error_deg(fitted, x), 0.5);
+    EXPECT_LT(wall.error_deg(fitted, x), 1);
   }
-  EXPECT_LT(wall.error_deg(fitted, 2), 0.1);
+  EXPECT_LT(wall.error_deg(fitted, 2), 0.7);
   for (const auto& axis : fitted) EXPECT_NEAR(norm(axis), 1, 1e-12);
+}
+
+TEST(PointAxes, InAWallOneCellThickToo) {
+  Wall wall;
+  const auto half = wall;
+  wall.cells.clear();
+  wall.cell_axes.clear();
+  for (std::size_t c = 0; c < half.cells.size(); ++c) {
+    const auto& cell = half.cells[c];
+    if (std::any_of(cell.begin(), cell.end(), [&](auto n) { return half.points[static_cast<std::size_t>(n)].x > 1; }))
+      continue;
+    wall.cells.push_back(cell);
+    wall.cell_axes.push_back(half.cell_axes[c]);
+  }
+  const auto means = atlas::mean_point_axes(wall.points.size(), wall.cells, wall.cell_axes);
+  const auto axes = atlas::point_axes(wall.points, wall.cells, wall.cell_axes);
+  for (const double x : {0.0, 1.0}) {
+    EXPECT_GT(wall.error_deg(means, x), 10);
+    EXPECT_LT(wall.error_deg(axes, x), 2);
+  }
 }
 
 TEST(PointAxes, CellsWithoutAnAxisCountForNothing) {

@@ -58,4 +58,13 @@ std::map<std::int32_t, std::vector<std::size_t>> cells_by_region(const TetMesh& 
 
 inline bool has_fibers(const TetMesh& mesh) { return !mesh.cell_fibers.fiber.empty(); }
 
+/// `files` and, where the mesh has fibres, what `write_axes(task, name, axes of the cells)` makes of fibre and sheet.
+template <class WriteAxes>
+Files with_axes(Files files, const ExportTask& task, WriteAxes&& write_axes) {
+  if (!has_fibers(task.mesh)) return files;
+  files.push_back(write_axes(task, "fiber", task.mesh.cell_fibers.fiber));
+  files.push_back(write_axes(task, "sheet", task.mesh.cell_fibers.sheet));
+  return files;
+}
+
 }  // namespace heart::exporters

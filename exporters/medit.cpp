@@ -36,11 +36,7 @@ std::filesystem::path write_axes(const ExportTask& task, const char* name, const
 }  // namespace
 
 Files export_medit(const ExportTask& task) {
-  Files files = {write_mesh(task), write_markers(task)};
-  if (!has_fibers(task.mesh)) return files;
-  files.push_back(write_axes(task, "fiber", task.mesh.cell_fibers.fiber));
-  files.push_back(write_axes(task, "sheet", task.mesh.cell_fibers.sheet));
-  return files;
+  return with_axes({write_mesh(task), write_markers(task)}, task, write_axes);
 }
 
 }  // namespace heart::exporters

@@ -383,6 +383,9 @@ int mesh_command(const MeshCommand& command) {
     throw UserError(fmt::format("--walls does not go with the back end \"{}\"", settings.backend), "--backend",
                     "leave one of them out");
   check_mesh_output(command.output);
+  Recipe recipe;
+  recipe.mesh = settings;
+  const auto bounds = bounds_of(recipe);  // what the mesher promises
   mesh::LatticeReport steps;
   steps.on_step = [](const std::string& step, double seconds) {
     fmt::print(stderr, "  {:<8} {:7.2f} s\n", step, seconds);
@@ -400,15 +403,15 @@ int mesh_command(const MeshCommand& command) {
     const auto walls = mesh::wall_level_sets(labels, settings);
     remark_on_thin_walls(walls);
     mesh = mesh::mesh_walls(walls, settings, &steps, edges);
-    fidelity = check_fidelity(name, mesh, walls, {});
+    fidelity = check_fidelity(name, mesh, walls, bounds);
   } else {
     mesh = mesh::mesh_labels(labels, settings, &steps, edges);
-    fidelity = check_fidelity(name, mesh, labels, settings, {});
+    fidelity = check_fidelity(name, mesh, labels, settings, bounds);
   }
   require_cells(mesh, settings, command.labels);
   remark_on_lost_regions(mesh, labels, command, settings.heart_edge_mm);
   const auto files = write_mesh(command.output, mesh);
-  Report report = validation::check_mesh(name, mesh, {});
+  Report report = validation::check_mesh(name, mesh, bounds);
   append(report, fidelity);
   if (command.json)
     fmt::print("{}\n", with_files(report, files).dump(1));

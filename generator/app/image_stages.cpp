@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "generator/app/landmarks_picture.hpp"
@@ -38,6 +39,21 @@ std::vector<std::string> added_regions(const LabelVolume& given, const LabelVolu
     if (const auto region = static_cast<Region>(row.tag); labels::holds(heart, region) && !labels::holds(given, region))
       names.emplace_back(row.name);
   return names;
+}
+
+/// Given regions of the heart that have grown, with by how much.
+std::vector<std::string> grown_regions(const LabelVolume& given, const LabelVolume& heart) {
+  std::array<double, 256> more_ml{};
+  for (std::size_t v = 0; v < heart.voxels.size(); ++v)
+    if (heart.voxels[v] != given.voxels[v]) more_ml[heart.voxels[v]] += heart.grid.voxel_volume_mm3() / 1000;
+  std::vector<std::string> grown;
+  for (const auto& row : region_table()) {
+    const auto region = static_cast<Region>(row.tag);
+    const bool is_heart = is_blood(region) || is_myocardium(region);
+    if (is_heart && more_ml[tag(region)] > 0 && labels::holds(given, region))
+      grown.push_back(fmt::format("{} by {:.2g} ml", row.name, more_ml[tag(region)]));
+  }
+  return grown;
 }
 
 Warning completion_warning(const LabelVolume& given, const LabelVolume& heart, bool has_ct) {
@@ -129,12 +145,6 @@ Warning confidence_warning(double confidence) {
   }
 }
 
-/// What a user must see before the build is done.
-void print_warnings(const std::vector<Warning>& warnings) {
-  for (const auto& warning : warnings)
-    if (warning.level != WarningLevel::note) fmt::print(stderr, "warning: {}\n", warning.text);
-}
-
 /// The given chambers with what they lack, without gaps and pockets. Root only.
 LabelVolume complete_chambers(LabelVolume own, const LabelVolume& given, const CtVolume& ct, const Recipe& recipe) {
   if (given.voxels.empty()) return own;
@@ -182,11 +192,12 @@ CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, cons
   const double confidence = landmarks::confidence_beside(*found, given);
   if (!corrected)
     parallel::run_on_root(run.comm, [&] { refuse_doubtful_landmarks(all, *found, confidence, *ct, doubt); });
-  std::vector<Warning> told = {confidence_warning(corrected ? 1 : confidence)};
+  warnings.push_back(corrected ? Warning{"landmarks.by_hand", WarningLevel::note,
+                                         "Seeds and valves come from a file that replaces what was found; nothing "
+                                         "judged them."}
+                               : confidence_warning(confidence));
   for (const auto& sentence : found->warnings)
-    told.push_back({"landmarks.anatomy", WarningLevel::warning, "Automatic landmarks: " + sentence});
-  if (run.comm.is_root()) print_warnings(told);
-  warnings.insert(warnings.end(), told.begin(), told.end());
+    warnings.push_back({"landmarks.anatomy", WarningLevel::warning, "Automatic landmarks: " + sentence});
   std::string text = write_landmarks(all);  // what the root found, for every rank
   parallel::broadcast(run.comm, text);
   return {parse_landmarks(text, "automatic landmarks"), found->ventricles_cut_cm2};
@@ -206,10 +217,15 @@ bool find_vessels(Run& run, const Staged<CtVolume>& ct, Landmarks& landmarks, st
 
 std::vector<Warning> label_warnings(const LabelVolume& given, const LabelVolume& heart, bool has_ct) {
   std::vector<Warning> warnings;
-  if (!given.voxels.empty()) warnings.push_back(completion_warning(given, heart, has_ct));
+  if (!given.voxels.empty()) {
+    warnings.push_back(completion_warning(given, heart, has_ct));
+    if (auto grown = grown_regions(given, heart); !grown.empty())
+      warnings.push_back(
+          {"labels.grown", WarningLevel::note,
+           fmt::format("Gaps and pockets beside the given regions were closed: {}.", fmt::join(grown, ", "))});
+  }
   const auto valves = labels::closed_valves(heart);
   warnings.insert(warnings.end(), valves.begin(), valves.end());
-  print_warnings(valves);
   return warnings;
 }
 
@@ -230,7 +246,6 @@ KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe
     if (has_ct) labels::refuse_labels_beside_heart(known.given->labels, *ct, recipe.input.labels);
     if (!has_ct) refuse_what_needs_a_ct(known.given->labels, missing, recipe.input.labels);
     warnings.insert(warnings.end(), known.given->warnings.begin(), known.given->warnings.end());
-    print_warnings(known.given->warnings);
     missing.body &= has_ct;
     missing.vessels &= has_ct;
     return missing;

@@ -11,6 +11,7 @@
 #include "generator/app/image_stages.hpp"
 #include "generator/app/input_files.hpp"
 #include "generator/app/mesh_certificate.hpp"
+#include "generator/app/print_certificate.hpp"
 #include "generator/app/resolutions.hpp"
 #include "generator/app/run.hpp"
 #include "generator/app/torso_stage.hpp"
@@ -364,6 +365,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
     refuse_mirrored_heart(*heart, recipe.landmarks);
     const auto told = label_warnings(known.given->labels, *heart, !recipe.input.ct.empty());
     warnings.insert(warnings.end(), told.begin(), told.end());
+    print_warnings(warnings);  // not before: a refusal is one message
     settle_replacements(run, recipe.replace, inputs, warnings);
   });
   const auto torso_hash =

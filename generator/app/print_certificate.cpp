@@ -58,6 +58,11 @@ void print_trust(const std::vector<UseVerdict>& uses, const std::vector<Warning>
                warning.code);
 }
 
+void print_warnings(const std::vector<Warning>& warnings) {
+  for (const auto& warning : warnings)
+    if (warning.level != WarningLevel::note) fmt::print(stderr, "warning: {}\n", warning.text);
+}
+
 void print_certificate(const Certificate& certificate, bool all_rows) {
   print_rows(certificate.rows, all_rows);
   print_trust(certificate.uses, certificate.warnings);

@@ -12,6 +12,9 @@ void print_rows(const Report& report, bool all_rows);
 /// The same, then the table of uses, the warnings and the verdict in one line.
 void print_certificate(const Certificate& certificate, bool all_rows);
 
+/// Warnings and doubts on standard error, while a build goes on.
+void print_warnings(const std::vector<Warning>& warnings);
+
 /// Uses and warnings as they stand in a bundle.
 void print_trust(const std::vector<UseVerdict>& uses, const std::vector<Warning>& warnings);
 

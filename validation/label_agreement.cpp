@@ -1,6 +1,8 @@
 // Agreement of two label maps: overlap and distances between the regions' surfaces.
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <queue>
 
 #include "model/labels.hpp"
 #include "validation/contour_fit.hpp"
@@ -101,20 +103,61 @@ void add_region_rows(Report& report, const Crop& crop, const std::string& scope)
   add("surface_distance_max", quantile(distances, 1), "mm");
 }
 
-/// The great vessels of `reference` as far from our chambers as ours reach: a model holds stumps of them.
-LabelVolume cut_to_stumps(LabelVolume reference, const LabelVolume& ours) {
-  std::vector<std::uint8_t> chamber(ours.voxels.size());
-  for (std::size_t v = 0; v < chamber.size(); ++v) {
-    const auto region = static_cast<Region>(ours.voxels[v]);
-    chamber[v] = is_blood(region) && region != Region::aorta && region != Region::pulmonary_artery;
+/// Per voxel of `vessel`, the way (mm) along it from the ventricle it leaves, over 26 neighbours; infinite elsewhere.
+/// A vessel begins within two voxels of its ventricle.
+std::vector<double> way_from_ventricle(const LabelVolume& labels, std::uint8_t vessel, std::uint8_t ventricle) {
+  const Grid& grid = labels.grid;
+  const auto& spacing = grid.spacing_mm;
+  std::vector<double> way_mm(labels.voxels.size(), std::numeric_limits<double>::infinity());
+  using Entry = std::pair<double, std::int64_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+  const auto visit = [&](std::int64_t i, std::int64_t j, std::int64_t k, int reach, const auto& call) {
+    for (std::int64_t c = std::max<std::int64_t>(k - reach, 0); c <= std::min(k + reach, grid.size[2] - 1); ++c)
+      for (std::int64_t b = std::max<std::int64_t>(j - reach, 0); b <= std::min(j + reach, grid.size[1] - 1); ++b)
+        for (std::int64_t a = std::max<std::int64_t>(i - reach, 0); a <= std::min(i + reach, grid.size[0] - 1); ++a)
+          call(a, b, c);
+  };
+  const auto lower = [&](std::int64_t at, double value) {
+    if (value >= way_mm[static_cast<std::size_t>(at)]) return;
+    way_mm[static_cast<std::size_t>(at)] = value;
+    front.emplace(value, at);
+  };
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+        if (labels(i, j, k) != vessel) continue;
+        visit(i, j, k, 2, [&](std::int64_t a, std::int64_t b, std::int64_t c) {
+          if (labels(a, b, c) == ventricle) lower(grid.offset(i, j, k), 0);
+        });
+      }
+  while (!front.empty()) {
+    const auto [value, at] = front.top();
+    front.pop();
+    if (value > way_mm[static_cast<std::size_t>(at)]) continue;
+    const std::int64_t i = at % grid.size[0], j = at / grid.size[0] % grid.size[1], k = at / grid.size[0] / grid.size[1];
+    visit(i, j, k, 1, [&](std::int64_t a, std::int64_t b, std::int64_t c) {
+      if (labels(a, b, c) != vessel) return;
+      const double x = spacing[0] * static_cast<double>(a - i), y = spacing[1] * static_cast<double>(b - j),
+                   z = spacing[2] * static_cast<double>(c - k);
+      lower(grid.offset(a, b, c), value + std::sqrt(x * x + y * y + z * z));
+    });
   }
-  const auto distance = distance_to(ours.grid, chamber);
-  for (const auto vessel : {tag(Region::aorta), tag(Region::pulmonary_artery)}) {
-    double reach = -1;
-    for (std::size_t v = 0; v < chamber.size(); ++v)
-      if (ours.voxels[v] == vessel) reach = std::max(reach, distance[v]);
-    for (std::size_t v = 0; reach >= 0 && v < chamber.size(); ++v)
-      if (reference.voxels[v] == vessel && distance[v] > reach) reference.voxels[v] = 0;
+  return way_mm;
+}
+
+/// The great vessels of `reference` as far along them as ours go: a model holds stumps of them. Our end is where 95 %
+/// of our vessel's voxels lie below: it is cut level, at an angle to the vessel.
+LabelVolume cut_to_stumps(LabelVolume reference, const LabelVolume& ours) {
+  for (const auto& [vessel, ventricle] :
+       {std::pair{tag(Region::aorta), tag(Region::lv_blood)}, {tag(Region::pulmonary_artery), tag(Region::rv_blood)}}) {
+    std::vector<double> reached;
+    for (const double way_mm : way_from_ventricle(ours, vessel, ventricle))
+      if (std::isfinite(way_mm)) reached.push_back(way_mm);
+    if (reached.empty()) continue;
+    const double end_mm = quantile(reached, 0.95);
+    const auto way_mm = way_from_ventricle(reference, vessel, ventricle);
+    for (std::size_t v = 0; v < way_mm.size(); ++v)
+      if (reference.voxels[v] == vessel && way_mm[v] > end_mm) reference.voxels[v] = 0;
   }
   return reference;
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "model/face_tree.hpp"
 #include "model/labels.hpp"
 #include "validation/criteria.hpp"
 #include "validation/quantiles.hpp"
@@ -66,26 +67,48 @@ OrientedFace orient(const TetMesh& mesh, Face key, const std::vector<Keyed>& hal
   return face;
 }
 
-/// Position along the normal (mm, positive outside) of the steepest grey step, or nothing where all are weak.
-std::optional<double> strongest_edge(const CtVolume& ct, const OrientedFace& face, const ContourFitSettings& s) {
+/// How far along its normal, inwards and outwards, a step in grey can be a face's own: half the way to the nearest face
+/// of another surface on that side, since beyond it the step is that surface's.
+struct Reach {
+  double inwards_mm, outwards_mm;
+};
+
+Reach reach_of(const OrientedFace& face, const FaceTree& tree, const TetMesh& mesh, std::int32_t surface,
+               double reach_mm) {
+  Reach reach{reach_mm, reach_mm};
+  const auto other = nearest_face(tree, face.center_mm, 2 * reach_mm,
+                                  [&](std::int32_t f) { return mesh.surface[static_cast<std::size_t>(f)] != surface; });
+  if (other.face < 0) return reach;
+  auto& side_mm = dot(other.point_mm - face.center_mm, face.outward) > 0 ? reach.outwards_mm : reach.inwards_mm;
+  side_mm = std::min(side_mm, other.distance_mm / 2);
+  return reach;
+}
+
+/// Position along the normal (mm, positive outside) of the steepest grey step within reach, or nothing where all are
+/// weak. A step is a place where the slope has a maximum: what still rises where the reach ends is another's.
+std::optional<double> strongest_edge(const CtVolume& ct, const OrientedFace& face, const Reach& reach,
+                                     const ContourFitSettings& s) {
   const int half = std::max(1, static_cast<int>(std::lround(s.reach_mm / s.step_mm)));
   std::vector<double> grey, slope;
-  for (int i = -half - 1; i <= half + 1; ++i)
+  for (int i = -half - 2; i <= half + 2; ++i)
     grey.push_back(sample_linear(ct, index_from_lps(ct.grid, face.center_mm + (i * s.step_mm) * face.outward)));
   for (std::size_t i = 1; i + 1 < grey.size(); ++i)
     slope.push_back(std::abs(grey[i + 1] - grey[i - 1]) / (2 * s.step_mm));
+  const auto slope_at = [&](int i) { return slope[static_cast<std::size_t>(half + 1 + i)]; };
   // Of equally steep places the one nearest to the surface: the list is scanned from the middle outwards.
-  std::size_t best = static_cast<std::size_t>(half);
-  for (int off = 1; off <= half; ++off)
-    for (const int i : {half - off, half + off})
-      if (slope[static_cast<std::size_t>(i)] > slope[best] * (1 + 1e-12)) best = static_cast<std::size_t>(i);
-  if (slope[best] < s.minimum_edge_hu_per_mm) return std::nullopt;
+  std::optional<int> best;
+  for (int off = 0; off <= half; ++off)
+    for (const int i : {-off, off}) {
+      if (-i * s.step_mm > reach.inwards_mm || i * s.step_mm > reach.outwards_mm) continue;
+      if (slope_at(i) < slope_at(i - 1) || slope_at(i) < slope_at(i + 1)) continue;
+      if (!best || slope_at(i) > slope_at(*best) * (1 + 1e-12)) best = i;
+    }
+  if (!best || slope_at(*best) < s.minimum_edge_hu_per_mm) return std::nullopt;
   double shift = 0;
-  if (best > 0 && best + 1 < slope.size()) {
-    const double bend = slope[best - 1] - 2 * slope[best] + slope[best + 1];
-    if (bend < 0) shift = std::clamp(0.5 * (slope[best - 1] - slope[best + 1]) / bend, -0.5, 0.5);
-  }
-  return (static_cast<double>(best) - half + shift) * s.step_mm;
+  const double before = slope_at(*best - 1), after = slope_at(*best + 1);
+  const double bend = before - 2 * slope_at(*best) + after;
+  if (bend < 0) shift = std::clamp(0.5 * (before - after) / bend, -0.5, 0.5);
+  return (*best + shift) * s.step_mm;
 }
 
 bool inside_image(const Grid& grid, const Vec3& p) {
@@ -120,6 +143,7 @@ Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourF
   std::map<std::int32_t, std::vector<std::size_t>> faces_of;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) faces_of[mesh.surface[f]].push_back(f);
   const auto halves = labelled_halves(mesh);
+  const auto tree = make_face_tree(mesh.nodes_mm, mesh.faces);
   const double voxel_mm = std::cbrt(ct.grid.voxel_volume_mm3());
   Report report;
   for (const auto& [surface, faces] : faces_of) {
@@ -131,7 +155,8 @@ Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourF
       const OrientedFace face = orient(mesh, mesh.faces[faces[i]], halves);
       if (!inside_image(ct.grid, face.center_mm)) continue;
       ++tried;
-      if (const auto d = strongest_edge(ct, face, settings)) distances.push_back(*d);
+      const Reach reach = reach_of(face, tree, mesh, surface, settings.reach_mm);
+      if (const auto d = strongest_edge(ct, face, reach, settings)) distances.push_back(*d);
     }
     add_rows(report, surface_name(surface), distances, tried, voxel_mm);
   }

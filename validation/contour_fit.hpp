@@ -8,7 +8,7 @@
 namespace heart::validation {
 
 struct ContourFitSettings {
-  double reach_mm = 5;                      ///< the edge is looked for this far on both sides of the surface
+  double reach_mm = 5;                      ///< the edge is looked for this far, or halfway to the next surface
   double step_mm = 0.25;                    ///< sampling of the normal; the peak is refined by a parabola
   double minimum_edge_hu_per_mm = 15;       ///< weaker edges are no edges: the sample is left out
   std::size_t samples_per_surface = 20000;  ///< faces taken per surface at most, evenly spread over the list
@@ -16,7 +16,7 @@ struct ContourFitSettings {
 
 /// Rows of group "fit", one set per surface: edge_distance_median / _p95 / _max (of the absolute value for the last
 /// two, signed for the median: positive where the image's edge lies on the outside of the surface), in mm and in voxels
-/// (of the geometric mean spacing), and edge_found, the share of samples with an edge. None of them judges.
+/// (of the geometric mean spacing), and edge_found, the share of samples with an edge. The median is judged.
 /// The outside of an interface is the side of the region with the larger tag.
 Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourFitSettings& settings = {});
 

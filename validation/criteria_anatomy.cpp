@@ -6,7 +6,9 @@ namespace {
 // Published adults, any phase of the beat. Beyond `warn_*` a heart is unusual; beyond `fail_*` none of that size lives.
 constexpr const char* volumes =
     "Healthy adults from women at end systole to men at end diastole, two standard deviations wide (Petersen 2017, UK "
-    "Biobank: left ventricle 49 +- 11 to 166 +- 32 ml, right 55 +- 15 to 182 +- 36 ml); failing hearts grow threefold.";
+    "Biobank: left ventricle 49 +- 11 to 166 +- 32 ml, right 55 +- 15 to 182 +- 36 ml). Below 2.5 deviations no "
+    "adult's "
+    "is expected; failing hearts grow threefold.";
 constexpr const char* atria =
     "Healthy adults have atria of at most 62 +- 17 to 93 +- 27 ml (Petersen 2017, UK Biobank) and empty them by half; "
     "in atrial fibrillation they grow fivefold.";
@@ -15,12 +17,15 @@ constexpr const char* walls =
     "ones about a third; hypertrophic hearts grow threefold.";
 constexpr const char* lv_thickness =
     "Left ventricular walls thicker than 15 mm are hypertrophic (Elliott 2014, ESC guideline), and 30 mm is massive; "
-    "infarcts thin them to about 4 mm.";
+    "infarcts thin them to 5.5 mm and less (Shah 2013).";
 constexpr const char* rv_thickness = "Right ventricular walls thicker than 5 mm are hypertrophic (Rudski 2010).";
 constexpr const char* aortic = "Aortic annuli are 2.3 +- 0.2 to 2.6 +- 0.3 cm wide (Lang 2015): 4 to 5 cm2.";
-constexpr const char* mitral = "Mitral annuli open to 7.1 +- 1.3 cm2 in echocardiography (Ormiston 1981), to 10 in CT.";
+constexpr const char* mitral =
+    "Mitral annuli open to 3.8 +- 0.7 cm2 per m2 of body surface in echocardiography (Ormiston 1981), to 4.7 +- 0.6 in "
+    "CT (Naoum 2016): 7 to 9 cm2.";
 constexpr const char* tricuspid = "Tricuspid annuli open to 11.3 +- 1.8 cm2 (Tei 1982), dilated ones to twice that.";
-constexpr const char* pulmonary = "Pulmonary valves of adults are 2.2 to 2.7 cm wide (Capps 2000): 4 to 6 cm2.";
+constexpr const char* pulmonary =
+    "Pulmonary valves open to 4.3 +- 1.0 cm2 in women and 4.9 +- 1.3 in men, post mortem (Westaby 1984).";
 
 }  // namespace
 
@@ -29,11 +34,11 @@ std::vector<Criterion> anatomy_criteria() {
   const auto add = [&](const char* group, const char* scope, const char* metric, Bounds bounds, const char* reason) {
     rows.push_back({group, Where::anywhere, scope, metric, bounds, reason});
   };
-  add("labels", "lv_blood", "volume", between(25, 40, 230, 600), volumes);
-  add("labels", "rv_blood", "volume", between(25, 40, 255, 600), volumes);
+  add("labels", "lv_blood", "volume", between(21, 27, 230, 600), volumes);
+  add("labels", "rv_blood", "volume", between(17, 25, 255, 600), volumes);
   add("labels", "la_blood", "volume", between(10, 20, 150, 500), atria);
   add("labels", "ra_blood", "volume", between(10, 20, 180, 600), atria);
-  add("labels", "lv_myocardium", "volume", between(30, 55, 250, 500), walls);
+  add("labels", "lv_myocardium", "volume", between(30, 42, 250, 500), walls);
   add("labels", "rv_myocardium", "volume", between(8, 15, 120, 250), walls);
   add("labels", "*", "volume", told(), "It depends on how much of the structure the image shows.");
   add("labels", "lv_myocardium", "wall_thickness_median", between(2, 4, 18, 35), lv_thickness);

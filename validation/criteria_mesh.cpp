@@ -29,7 +29,8 @@ std::string angle_reason(const ValidationSettings& settings) {
   if (settings.minimum_dihedral_deg > 0)
     return fmt::format("The recipe or its mesher promises {:g} to {:g} degrees.", settings.minimum_dihedral_deg,
                        settings.maximum_dihedral_deg);
-  return "Beyond 5 to 175 degrees a cell ruins the conditioning of any stiffness matrix (Shewchuk 2002).";
+  return "Cells with small angles make stiffness matrices ill-conditioned, and with large ones they also interpolate "
+         "badly (Shewchuk 2002); 5 and 175 degrees are our bounds.";
 }
 
 /// A bound of 0 stands for what no mesher may break.

@@ -46,7 +46,7 @@ std::vector<Use> all_uses() {
        "myocardium",
        true,
        {{"myocardium", "edge_mean", 0.35, 0.5,
-         "conduction slows at edges of 0.5 mm and is converged at 0.2 mm (Niederer 2011)",
+         "solvers disagree at edges of 0.5 mm, where many conduct too slowly, and agree at 0.1 mm (Niederer 2011)",
          "Set mesh.heart_edge_mm = 0.35, or refine in the solver.", true}}},
       {"mechanics", "myocardium", true, {lv_layers, rv_layers, locked}},
       {"ecg",

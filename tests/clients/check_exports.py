@@ -10,6 +10,7 @@ Exit code 0: all equal; 1: a difference; 77: VTK is missing, nothing was checked
 """
 import collections
 import copy
+import functools
 import json
 import os
 import re
@@ -45,7 +46,25 @@ def expect(condition, file, message):
 
 
 def expect_equal(found, wanted, file, what):
-    expect(found == wanted, file, f"{what}: found {found}, the bundle has {wanted}")
+    equal = found == wanted
+    expect(equal, file, "" if equal else f"{what}: found {found}, the bundle has {wanted}")
+
+
+def expect_same_rows(found, wanted, file, what):
+    """Of two integer arrays; the message names the first row that differs."""
+    found, wanted = np.asarray(found), np.asarray(wanted)
+    if found.shape != wanted.shape:
+        expect(False, file, f"{what}: {found.shape[0]} rows, the bundle has {wanted.shape[0]}")
+        return
+    unequal = np.flatnonzero((found != wanted).reshape(len(found), -1).any(axis=1))
+    first = f"row {unequal[0]} is {found[unequal[0]]}, the bundle has {wanted[unequal[0]]}" if len(unequal) else ""
+    expect(len(unequal) == 0, file, f"{what}: {len(unequal)} rows differ; {first}")
+
+
+def face_keys(faces, node_count):
+    """One number per face, whatever the order of its nodes."""
+    a, b, c = np.sort(np.asarray(faces, np.int64), axis=1).T
+    return (a * node_count + b) * node_count + c
 
 
 def expect_close(found, wanted, file, what, tolerance=1e-12):
@@ -104,14 +123,18 @@ class Mesh:
         rims = {name: int(flags.sum()) for name, flags in arrays_of(faces.GetPointData()).items() if name in manifest["rims"]}
         expect_equal(rims, entry["rims"], entry["surface_file"], "nodes per rim")
 
+    @functools.cached_property
+    def outer_keys(self):
+        """Keys of the faces that belong to one cell, ascending."""
+        corners = ([0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3])
+        keys = np.concatenate([face_keys(self.cells[:, c], len(self.nodes)) for c in corners])
+        unique, count = np.unique(keys, return_counts=True)
+        return unique[count == 1]
+
     def without_interfaces(self):
         """The mesh with the faces that belong to one cell."""
         outer = copy.copy(self)
-        corners = ([0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3])
-        sides = np.sort(np.concatenate([self.cells[:, c] for c in corners]), axis=1)
-        unique, count = np.unique(sides, axis=0, return_counts=True)
-        single = {tuple(face) for face in unique[count == 1]}
-        kept = np.array([tuple(face) in single for face in np.sort(self.faces, axis=1)])
+        kept = np.isin(face_keys(self.faces, len(self.nodes)), self.outer_keys)
         outer.faces, outer.surface = self.faces[kept], self.surface[kept]
         outer.entry = {**self.entry, "surfaces": self.counts(outer.surface, "surfaces")}
         return outer
@@ -131,10 +154,10 @@ class Mesh:
         expect(any(fits), file, "coordinates differ from the bundle's in every unit")
 
     def check_cells(self, cells, file):
-        expect_equal(np.asarray(cells).tolist(), self.cells.tolist(), file, "cells")
+        expect_same_rows(cells, self.cells, file, "cells")
 
     def check_faces(self, faces, file):
-        expect_equal(np.asarray(faces).tolist(), self.faces.tolist(), file, "faces")
+        expect_same_rows(faces, self.faces, file, "faces")
 
     def check_regions(self, tags, file):
         expect_equal(self.counts(tags, "regions"), self.entry["regions"], file, "cells per region")
@@ -172,7 +195,7 @@ def check_surface(poly, mesh, file):
         expect(ids.min() >= 0 and ids.max() < len(mesh.nodes), file, "GlobalNodeID out of range")
         faces = ids[faces]
     wanted = np.isin(mesh.surface, tags)
-    expect_equal(faces.tolist(), mesh.faces[wanted].tolist(), file, "faces")
+    expect_same_rows(faces, mesh.faces[wanted], file, "faces")
     if len(np.unique(tags)) > 1:
         mesh.check_surfaces(tags, file)
 
@@ -221,7 +244,7 @@ def check_with_meshio(path, mesh, file):
     if triangles:
         mesh.check_faces(cells, file)
     else:
-        expect_equal(cells.tolist(), mesh.cells[order].tolist(), file, "cells")
+        expect_same_rows(cells, mesh.cells[order], file, "cells")
 
     def of_kind(name, wanted):
         return np.concatenate([data for block, data in zip(found.cells, found.cell_data[name]) if block.type == wanted])
@@ -277,10 +300,10 @@ def check_gmsh_views(mesh, file):
         views[gmsh.option.getString(f"View[{index}].Name")].append(view)
     for axis in ("fiber", "sheet", "sheet_normal"):
         for view in views[axis]:
-            kind, tags, data, _, components = gmsh.view.getModelData(view, 0)
+            kind, tags, data, _, components = gmsh.view.getHomogeneousModelData(view, 0)
             expect_equal(components, 3, file, f"components of view {axis}")
             if kind == "NodeData":
-                expect_equal(list(tags), list(range(1, len(mesh.nodes) + 1)), file, f"nodes of view {axis}")
+                expect_same_rows(tags, np.arange(1, len(mesh.nodes) + 1), file, f"nodes of view {axis}")
                 expect_close(np.reshape(data, (-1, 3)), mesh.on_nodes[axis], file, f"view {axis} on nodes")
             else:
                 lengths = np.linalg.norm(np.reshape(data, (-1, 3))[: len(mesh.cells)], axis=1)
@@ -327,8 +350,7 @@ def check_with_h5py(path, mesh, file):
 
 
 def rows(path, columns, header=1):
-    with open(path, encoding="ascii") as stream:
-        return np.array([line.split()[-columns:] for line in stream.read().splitlines()[header:]], dtype=float)
+    return np.loadtxt(path, skiprows=header, usecols=range(-columns, 0), encoding="ascii", ndmin=2)
 
 
 def check_opencarp(path, mesh, file):
@@ -343,7 +365,7 @@ def check_opencarp(path, mesh, file):
     for name, tag in mesh.manifest["surfaces"].items():
         if name in mesh.entry["surfaces"]:
             ids = rows(f"{base}_{name}.vtx", 1, header=2).astype(int).ravel()
-            expect_equal(ids.tolist(), sorted(set(mesh.faces[mesh.surface == tag].ravel().tolist())), file, f"{name}.vtx")
+            expect_same_rows(ids, np.unique(mesh.faces[mesh.surface == tag]), file, f"{name}.vtx")
 
 
 def check_chaste(path, mesh, file):
@@ -352,10 +374,8 @@ def check_chaste(path, mesh, file):
     elements = rows(base + ".ele", 5).astype(int)
     mesh.check_cells(elements[:, :4], file)
     mesh.check_regions(elements[:, 4], file)
-    count = collections.Counter(tuple(sorted(c)) for cell in mesh.cells for c in (cell[[0, 1, 2]], cell[[0, 1, 3]], cell[[0, 2, 3]], cell[[1, 2, 3]]))
-    outer = sorted(face for face, n in count.items() if n == 1)
     faces = rows(base + ".face", 4).astype(int)[:, :3]
-    expect_equal(sorted(tuple(sorted(face)) for face in faces.tolist()), [tuple(int(n) for n in face) for face in outer], file, "outer faces")
+    expect_same_rows(np.sort(face_keys(faces, len(mesh.nodes))), mesh.outer_keys, file, "outer faces")
     if os.path.exists(base + ".ortho"):
         axes = rows(base + ".ortho", 9).reshape(-1, 3, 3)
         expect_close(axes @ axes.transpose(0, 2, 1), np.broadcast_to(np.eye(3), axes.shape), file, "orthonormal axes", 1e-4)
@@ -490,6 +510,7 @@ def main(bundle, exports):
             for check in checks_for(path) if owners else []:
                 file = f"{os.path.relpath(path, exports)} ({check.__name__[6:].replace('with_', '')})"
                 mesh = meshes[max(owners, key=len)]
+                print(f"... {file}", file=sys.stderr, flush=True)
                 try:
                     check(path, outer[mesh.name] if "dealii" in path or "outer" in path else mesh, file)
                 except Exception as error:  # any exception of a foreign reader is a failed export

@@ -87,6 +87,59 @@ TEST(ContourFit, SaysWhereThereIsNoEdge) {
   EXPECT_EQ(report[0].value, 0);
 }
 
+/// A shell between two spheres: blood inside of it, `wall_hu` in it, lung outside.
+CtVolume shell_image(double inner_mm, double outer_mm, double blood_hu, double wall_hu) {
+  CtVolume ct(cube_grid(61, 1));
+  for (std::int64_t k = 0; k < 61; ++k)
+    for (std::int64_t j = 0; j < 61; ++j)
+      for (std::int64_t i = 0; i < 61; ++i) {
+        const double d = norm(Vec3{double(i), double(j), double(k)} - sphere_center);
+        const auto step = [&](double radius_mm) { return 0.5 - 0.5 * std::tanh((d - radius_mm) / 0.8); };
+        ct(i, j, k) = static_cast<std::int16_t>(
+            std::lround(-800 + (wall_hu + 800) * step(outer_mm) + (blood_hu - wall_hu) * step(inner_mm)));
+      }
+  return ct;
+}
+
+/// Boundary of a shell of muscle: its inner sphere is the left endocardium, its outer one the epicardium.
+TetMesh shell(double inner_mm, double outer_mm) {
+  LabelVolume labels(cube_grid(41, 1.5));
+  for (std::int64_t k = 0; k < 41; ++k)
+    for (std::int64_t j = 0; j < 41; ++j)
+      for (std::int64_t i = 0; i < 41; ++i) {
+        const double d = norm(Vec3{1.5 * i, 1.5 * j, 1.5 * k} - sphere_center);
+        labels(i, j, k) = d >= inner_mm && d < outer_mm ? tag(Region::lv_myocardium) : std::uint8_t{0};
+      }
+  TetMesh mesh = heart::testing::voxel_mesh(labels, [](Region r) { return r == Region::lv_myocardium; });
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const bool is_inner =
+        norm(mesh.nodes_mm[static_cast<std::size_t>(mesh.faces[f][0])] - sphere_center) < (inner_mm + outer_mm) / 2;
+    mesh.surface[f] = surface_from_name(is_inner ? "lv_endocardium" : "epicardium").value();
+    for (const auto n : mesh.faces[f]) {
+      Vec3& p = mesh.nodes_mm[static_cast<std::size_t>(n)];
+      p = sphere_center + (is_inner ? inner_mm : outer_mm) * normalized(p - sphere_center);
+    }
+  }
+  return mesh;
+}
+
+TEST(ContourFit, TheOtherSideOfAThinWallIsNotItsEdge) {
+  const TetMesh mesh = shell(16, 19);
+  const auto median = [](const Report& report, const char* scope) {
+    return row_value(report, "fit", scope, "edge_distance_median");
+  };
+  const Report bright = check_contour_fit(mesh, shell_image(16, 19, 300, 100));
+  EXPECT_NEAR(median(bright, "lv_endocardium").value(), 0, 0.3);
+  EXPECT_NEAR(median(bright, "epicardium").value(), 0, 0.3);
+  // Blood as grey as muscle: the inner side has no edge, and the step to the lung is not taken for it.
+  const Report faint = check_contour_fit(mesh, shell_image(16, 19, 105, 100));
+  EXPECT_LT(row_value(faint, "fit", "lv_endocardium", "edge_found").value(), 0.05);
+  EXPECT_NEAR(median(faint, "epicardium").value(), 0, 0.3);
+  // Drawn 2 mm inside of the blood's edge, it is seen.
+  EXPECT_GT(std::abs(median(check_contour_fit(shell(14, 19), shell_image(16, 19, 300, 100)), "lv_endocardium").value()),
+            1.5);
+}
+
 LabelVolume box_labels(const Grid& grid, Index3 low, Index3 high) {
   LabelVolume labels(grid);
   for (auto k = low[2]; k < high[2]; ++k)

@@ -34,7 +34,7 @@ TEST(Criteria, EveryOneHasAReasonAndOrderedBounds) {
 
 TEST(Criteria, JudgeByScopeAndMetric) {
   EXPECT_EQ(verdict_on("labels", "lv_blood", "volume", 20), Verdict::failed);
-  EXPECT_EQ(verdict_on("labels", "lv_blood", "volume", 35), Verdict::warned);
+  EXPECT_EQ(verdict_on("labels", "lv_blood", "volume", 24), Verdict::warned);
   EXPECT_EQ(verdict_on("labels", "lv_blood", "volume", 120), Verdict::passed);
   EXPECT_EQ(verdict_on("labels", "lung", "volume", 20), Verdict::told);
   EXPECT_EQ(verdict_on("mesh", "torso/lv_blood", "volume_difference", -7), Verdict::failed);

@@ -21,7 +21,7 @@ from petsc4py.PETSc import ScalarType
 here = os.path.dirname(os.path.abspath(__file__))
 name = os.path.join(here, "{{mesh}}")
 mm = {{mm}}  # one millimetre in the mesh's unit
-# Conduction velocities along and across the fibres: Kotadia et al., Circ Arrhythm Electrophysiol 13:e008443 (2020).
+# Conduction velocities along and across the fibres: Kotadia et al., Arrhythm Electrophysiol Rev 9:202 (2020).
 along, across = 0.6 * mm, 0.3 * mm  # per ms
 site, radius = np.array([{{x}}, {{y}}, {{z}}]), {{radius}}
 smoothing_ms = 20.0  # of the direction; several times the time across a tetrahedron

@@ -152,11 +152,15 @@ Centroids centroids_of(const TetMesh& mesh, const LabelVolume& labels) {
   return sums;
 }
 
-void add_agreement(const Rows& rows, const RegionTopology& mesh, const Overlap& overlap, std::uint8_t label,
-                   const Grid& grid) {
+/// A region that is a crumb as a whole has a volume only: no mesh of such cells can have its shape.
+void add_agreement(const Rows& rows, const RegionTopology& mesh, const Overlap& overlap, const Centroids& centroids,
+                   std::uint8_t label, const Grid& grid, double crumb_ml) {
   const double volume_ml = sum_of(mesh.components_ml);
   const double label_ml = static_cast<double>(overlap.in_labels[label]) * grid.voxel_volume_mm3() / mm3_per_ml;
   rows.add("volume_of_labels", label_ml, "ml");
+  if (std::max(volume_ml, label_ml) < crumb_ml) return;
+  if (overlap.in_labels[label] > 0 && overlap.in_mesh[label] > 0)
+    rows.add("centroid_shift", norm(centroids.of_mesh[label] - centroids.of_labels[label]), "mm");
   if (label_ml > 0) rows.add("volume_difference", 100 * (volume_ml / label_ml - 1), "%");
   const auto voxels = overlap.in_mesh[label] + overlap.in_labels[label];
   if (voxels > 0)
@@ -188,9 +192,7 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
   for (const auto region : with_those_of(labels, {mesh.region.begin(), mesh.region.end()})) {
     const Rows rows{&report, mesh_name + "/" + region_name(region)};
     const auto label = static_cast<std::uint8_t>(region);
-    add_agreement(rows, topologies[region], overlap, label, labels.grid);
-    if (overlap.in_labels[label] > 0 && overlap.in_mesh[label] > 0)
-      rows.add("centroid_shift", norm(centroids.of_mesh[label] - centroids.of_labels[label]), "mm");
+    add_agreement(rows, topologies[region], overlap, centroids, label, labels.grid, crumb_ml[label]);
     if (is_myocardium(static_cast<Region>(region)) || is_blood(static_cast<Region>(region)))
       add_topology(rows, topologies[region], region_topology(labels, label), separate_pieces_ml(labels, label),
                    crumb_ml[label]);

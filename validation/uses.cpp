@@ -10,6 +10,8 @@
 namespace heart::validation {
 namespace {
 
+constexpr std::string_view out_of_reach = "uses.";  // how the codes of its warnings begin
+
 /// A bound that one use sets on a row, beside the certificate's own.
 struct Demand {
   const char* scope;
@@ -24,38 +26,51 @@ struct Use {
   const char* name;
   const char* mesh;
   bool needs_fibers;
+  bool is_usual;  ///< a heart that cannot serve it says so, asked or not
   std::vector<Demand> demands;
 };
 
 std::vector<Use> all_uses() {
-  const Demand lv_layers{
-      "myocardium/lv_myocardium", "layers_below_two", 0.02, 0.3, "one layer of linear cells cannot bend",
-      "Set mesh.wall_layers = 2."};
-  const Demand rv_layers{
-      "myocardium/rv_myocardium", "layers_below_two", 0.1, 0.5, "one layer of linear cells cannot bend",
-      "Set mesh.wall_layers = 2."};
+  const Demand lv_layers{"myocardium/lv_myocardium",
+                         "layers_below_two",
+                         0.02,
+                         0.3,
+                         "one layer of linear cells cannot bend",
+                         "Set mesh.wall_layers = 2, or shorter edges.",
+                         true};
+  const Demand rv_layers{"myocardium/rv_myocardium",
+                         "layers_below_two",
+                         0.1,
+                         0.5,
+                         "one layer of linear cells cannot bend",
+                         "Set mesh.wall_layers = 2, or shorter edges.",
+                         true};
   const Demand locked{
       "*_endocardium", "locked_cells", 0.0, {}, "cells with all nodes on one surface cannot deform", ""};
   return {
       {"eikonal",
        "myocardium",
        true,
+       true,
        {{"myocardium", "edge_mean", 1.6, 3.0, "eikonal solvers are run at edges of 1 to 1.5 mm (Gillette 2021)",
-         "Set mesh.heart_edge_mm = 1.4."}}},
+         "Set mesh.heart_edge_mm = 1.4.", true}}},
       {"monodomain",
        "myocardium",
        true,
+       false,
        {{"myocardium", "edge_mean", 0.35, 0.5,
          "solvers disagree at edges of 0.5 mm, where many conduct too slowly, and agree at 0.1 mm (Niederer 2011)",
          "Set mesh.heart_edge_mm = 0.35, or refine in the solver.", true}}},
-      {"mechanics", "myocardium", true, {lv_layers, rv_layers, locked}},
+      {"mechanics", "myocardium", true, true, {lv_layers, rv_layers, locked}},
       {"ecg",
        "torso",
+       false,
        false,
        {{"torso", "fov_cut_share", 0.6, 0.8, "electrodes need skin where the image ends",
          "Use a scan of the whole chest, or another patient's under [torso].", true}}},
       {"blood_flow",
        "chambers",
+       false,
        false,
        {{"*_orifice",
          "missing",
@@ -66,7 +81,7 @@ std::vector<Use> all_uses() {
          true},
         {"chambers", "edge_mean", 1.5, 2.5, "flow in ventricles is resolved at edges of 1 mm and below (Chnafa 2014)",
          "Set mesh.blood_edge_mm = 1.", true}}},
-      {"finite_volumes", "myocardium", true, {}},
+      {"finite_volumes", "myocardium", true, false, {}},
   };
 }
 
@@ -185,8 +200,17 @@ std::vector<UseVerdict> judge_uses(const Report& rows, const std::vector<Warning
 
 Certificate certified(Report rows, std::vector<Warning> warnings, const std::vector<std::string>& mesh_names,
                       const ValidationSettings& settings) {
+  std::erase_if(warnings, [](const Warning& warning) { return warning.code.starts_with(out_of_reach); });
   Certificate certificate{judged(std::move(rows), settings), std::move(warnings), {}};
   certificate.uses = judge_uses(certificate.rows, certificate.warnings, mesh_names, settings.uses);
+  if (!settings.uses.empty()) return certificate;
+  for (const auto& use : all_uses())
+    for (const auto& verdict : certificate.uses)
+      if (use.is_usual && verdict.use == use.name && !verdict.remedy.empty() && verdict.fitness == Fitness::unfit &&
+          !verdict.is_asked)
+        certificate.warnings.push_back(
+            {std::string(out_of_reach) + verdict.use, WarningLevel::warning,
+             fmt::format("The model is unfit for {}: {} {}", verdict.use, verdict.reasons.front(), verdict.remedy)});
   return certificate;
 }
 

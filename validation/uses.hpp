@@ -13,12 +13,12 @@ std::vector<std::string> use_names();
 
 /// A verdict for each use whose meshes are among `mesh_names`. Unfit: a row of its meshes, or of the fibres where it
 /// needs them, fails; a bound of its own is broken, or the model is doubtful. `asked` are the uses that the recipe
-/// names; empty: all that the recipe's edges and
-/// the scan allow. Rows must be judged.
+/// names; empty: all that the recipe's edges and the scan allow. Rows must be judged.
 std::vector<UseVerdict> judge_uses(const Report& rows, const std::vector<Warning>& warnings,
                                    const std::vector<std::string>& mesh_names, const std::vector<std::string>& asked);
 
-/// Rows judged by `criteria`, with warnings and verdicts on uses.
+/// Rows judged by `criteria`, with warnings and verdicts on uses. A warning (`uses.NAME`) says that the meshes are too
+/// coarse for eikonal or mechanics, where the recipe does not ask for it.
 Certificate certified(Report rows, std::vector<Warning> warnings, const std::vector<std::string>& mesh_names,
                       const ValidationSettings& settings);
 

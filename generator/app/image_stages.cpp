@@ -151,8 +151,9 @@ LabelVolume complete_chambers(LabelVolume own, const LabelVolume& given, const C
   labels::refuse_organs_in_heart(given, own, recipe.input.labels);
   own = labels::with_given(std::move(own), given, labels::Group::chambers);
   own = labels::with_closed_gaps(std::move(own), given, recipe.input.ct.empty() ? nullptr : &ct);
-  own = labels::with_filled_pockets(std::move(own), given);
-  labels::absorb_crumbs(own, labels::crumb_mm3(recipe.mesh.heart_edge_mm));
+  const double crumb_mm3 = labels::crumb_mm3(recipe.mesh.heart_edge_mm);
+  own = labels::with_filled_pockets(std::move(own), given, 5 * crumb_mm3);  // what we make, meshes must resolve
+  labels::absorb_crumbs(own, crumb_mm3);
   return own;
 }
 

@@ -58,8 +58,9 @@ LabelVolume with_given(LabelVolume own, const LabelVolume& given, Group group);
 LabelVolume with_all_given(LabelVolume own, const LabelVolume& given);
 
 /// `chambers` with the pockets that the given chambers and walls enclose and leave without a label: next to a ventricle
-/// or its wall they are papillary muscle, else part of the nearest chamber.
-LabelVolume with_filled_pockets(LabelVolume chambers, const LabelVolume& given);
+/// or its wall they are papillary muscle from `min_papillary_mm3` on, else part of the nearest chamber, or left to the
+/// walls.
+LabelVolume with_filled_pockets(LabelVolume chambers, const LabelVolume& given, double min_papillary_mm3);
 
 /// Chambers with great vessels no farther from the chambers' blood than `reach_mm`: what the walls depend on.
 LabelVolume near_heart(LabelVolume chambers, double reach_mm);

@@ -54,12 +54,14 @@ Mask touching(const Mask& mask) {
   return result;
 }
 
-/// What a pocket next to that region is made of.
-Region filling(Region beside) {
+/// What a pocket next to that region is made of: papillary muscle where it is large enough for one.
+Region filling(Region beside, bool is_large) {
   using enum Region;
   if (beside == la_wall || beside == ra_wall) return none;
   const bool ventricular = beside == lv_blood || beside == rv_blood || is_myocardium(beside);
-  return ventricular ? papillary : beside;
+  if (!ventricular) return beside;
+  if (is_large) return papillary;
+  return is_myocardium(beside) ? none : beside;
 }
 
 }  // namespace
@@ -91,7 +93,7 @@ LabelVolume with_all_given(LabelVolume own, const LabelVolume& given) {
   return own;
 }
 
-LabelVolume with_filled_pockets(LabelVolume chambers, const LabelVolume& given) {
+LabelVolume with_filled_pockets(LabelVolume chambers, const LabelVolume& given, double min_papillary_mm3) {
   const auto in_heart = [](std::uint8_t label) {
     return label != 0 && group_of(static_cast<Region>(label)) != Group::body;
   };
@@ -103,9 +105,14 @@ LabelVolume with_filled_pockets(LabelVolume chambers, const LabelVolume& given) 
   const Mask pockets = segment::subtract(segment::fill_holes(solid), solid);
   if (segment::count(pockets) == 0) return chambers;
   const LabelVolume nearest = segment::nearest_label(heart, 1e9);
+  const segment::Components parts = segment::connected_components(pockets);
   LabelVolume part = crop(chambers, box);
-  for (std::size_t v = 0; v < pockets.voxels.size(); ++v)
-    if (pockets.voxels[v] && part.voxels[v] == 0) part.voxels[v] = tag(filling(static_cast<Region>(nearest.voxels[v])));
+  for (std::size_t v = 0; v < pockets.voxels.size(); ++v) {
+    if (!pockets.voxels[v] || part.voxels[v] != 0) continue;
+    const auto voxels = parts.voxel_count[static_cast<std::size_t>(parts.label.voxels[v])];
+    const bool is_large = static_cast<double>(voxels) * part.grid.voxel_volume_mm3() >= min_papillary_mm3;
+    part.voxels[v] = tag(filling(static_cast<Region>(nearest.voxels[v]), is_large));
+  }
   paste(part, box, chambers);
   return chambers;
 }

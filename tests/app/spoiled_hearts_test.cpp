@@ -276,12 +276,18 @@ TEST_F(SpoiledHearts, SmoothedByEightMillimetres) {
 
 TEST_F(SpoiledHearts, CoarseEdges) {
   const auto built = build("coarse", "heart_edge_mm = 6\n");
-  EXPECT_EQ(built.exit_code, 3) << built.output << built.errors;
-  const auto uses = exporters::read_certificate(folder() + "/coarse").uses;
+  const auto certificate = exporters::read_certificate(folder() + "/coarse");
+  EXPECT_GE(verdict_of(certificate), Verdict::warned) << built.output << built.errors;
+  EXPECT_NE(built.output.find("unfit for eikonal: myocardium edge_mean"), std::string::npos) << built.output;
+  EXPECT_NE(std::ranges::find(certificate.warnings, "uses.eikonal", &Warning::code), certificate.warnings.end());
+  const auto& uses = certificate.uses;
   const auto eikonal = std::ranges::find(uses, "eikonal", &UseVerdict::use);
   ASSERT_NE(eikonal, uses.end());
   EXPECT_EQ(eikonal->fitness, Fitness::unfit);
   EXPECT_NE(eikonal->remedy.find("heart_edge_mm"), std::string::npos) << eikonal->remedy;
+  EXPECT_FALSE(eikonal->is_asked);
+  const auto asked = build("coarse_asked", "heart_edge_mm = 6\n[validation]\nuses = [\"eikonal\"]\n");
+  EXPECT_EQ(asked.exit_code, 3) << asked.output << asked.errors;
 }
 
 TEST_F(SpoiledHearts, SwappedVentricles) {

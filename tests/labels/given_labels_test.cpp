@@ -370,11 +370,14 @@ TEST(Overlay, PocketsInTheGivenHeartAreMuscleInVentriclesAndBloodInAtria) {
       for (std::int64_t i = 5; i < 35; ++i) given(i, j, k) = tag(i < 20 ? Region::lv_blood : Region::la_blood);
   given(10, 10, 10) = given(30, 10, 10) = 0;
   given(5, 10, 10) = 0;  // a notch in the surface is no pocket
-  const auto filled = with_filled_pockets(given, given);
+  const auto filled = with_filled_pockets(given, given, 0);
   EXPECT_EQ(filled(10, 10, 10), tag(Region::papillary));
   EXPECT_EQ(filled(30, 10, 10), tag(Region::la_blood));
   EXPECT_EQ(filled(5, 10, 10), 0);
   EXPECT_EQ(filled(2, 2, 2), 0);
+  EXPECT_EQ(with_filled_pockets(given, given, 2)(10, 10, 10), tag(Region::lv_blood)) << "too small for a muscle";
+  given(10, 10, 11) = 0;
+  EXPECT_EQ(with_filled_pockets(given, given, 2)(10, 10, 10), tag(Region::papillary));
 }
 
 TEST(Overlay, VesselsAreFollowedNoFartherThanTheReach) {

@@ -73,6 +73,7 @@ TEST(Uses, AskForEdgesShortEnough) {
   EXPECT_EQ(verdict_of_use(uses_at(2), "eikonal").fitness, Fitness::fit_with_warnings);
   EXPECT_EQ(verdict_of_use(uses_at(5), "eikonal").fitness, Fitness::unfit);
   EXPECT_NE(verdict_of_use(uses_at(5), "eikonal").remedy.find("heart_edge_mm"), std::string::npos);
+  EXPECT_FALSE(verdict_of_use(uses_at(5), "eikonal").is_asked) << "the recipe chose its edges";
 }
 
 TEST(Uses, FinerOnesAreAskedForByTheRecipeAlone) {
@@ -81,6 +82,21 @@ TEST(Uses, FinerOnesAreAskedForByTheRecipeAlone) {
   EXPECT_TRUE(verdict_of_use(uses_at(1.4, {"monodomain"}), "monodomain").is_asked);
   EXPECT_TRUE(verdict_of_use(uses_at(0.3), "monodomain").is_asked);
   EXPECT_EQ(verdict_of(Certificate{{}, {}, uses_at(1.4, {"monodomain"})}), Verdict::failed);
+}
+
+TEST(Uses, EdgesTooLongForTheUsualOnesAreNeverSilent) {
+  const Report rows = {row("mesh", "myocardium", "edge_mean", 5)};
+  auto certificate = certified(rows, {}, {"myocardium"}, {});
+  ASSERT_EQ(certificate.warnings.size(), 1u);
+  EXPECT_EQ(certificate.warnings[0].code, "uses.eikonal");
+  EXPECT_EQ(verdict_of(certificate), Verdict::warned);
+  certificate = certified(rows, certificate.warnings, {"myocardium"}, {});
+  EXPECT_EQ(certificate.warnings.size(), 1u) << "judged again, it is said once";
+  ValidationSettings asked;
+  asked.uses = {"eikonal"};
+  certificate = certified(rows, {}, {"myocardium"}, asked);
+  EXPECT_TRUE(certificate.warnings.empty());
+  EXPECT_EQ(verdict_of(certificate), Verdict::failed);
 }
 
 TEST(Uses, AMeshThatIsMissingMakesUnfitOnlyWhereAsked) {

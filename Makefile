@@ -64,7 +64,7 @@ test-clients: demo/bundle/manifest.json build/clients.stamp
 	$(HEARTGEN) export demo/bundle --to msh2,msh-ascii --no-interfaces --output demo/clients/outer
 	/usr/bin/python3 tests/clients/check_exports.py demo/bundle demo/clients
 	/usr/bin/python3 tests/clients/reader_rules.py demo/clients
-	/usr/bin/python3 tests/clients/run_decks.py demo/clients
+	/usr/bin/python3 tests/clients/run_decks.py demo/clients demo/bundle
 	/usr/bin/python3 tests/clients/check_report.py demo/bundle/validation/report.html
 
 # Speeds of the image stages on this machine; the last one on two processes.

@@ -340,8 +340,8 @@ std::string remark_on_jumps(const Report& rows) {
   if (!(jump_deg > atlas_deg)) return {};
   return fmt::format(
       "Fibres of neighbouring nodes differ by up to {:.0f} degrees (99th percentile), those of the atlas by {:.0f}: "
-      "edges of {:.1f} mm are too long for how fast they turn through thin walls. wall_layers = 3 in [mesh], or a "
-      "shorter heart_edge_mm, resolves it.",
+      "edges of {:.1f} mm are too long for how fast they turn through thin walls. wall_layers = 2 in [mesh], or a "
+      "shorter heart_edge_mm, lowers it.",
       jump_deg, atlas_deg, value_of("ventricles", "edge_p50"));
 }
 

@@ -1,13 +1,15 @@
 #!/usr/bin/python3
 """Runs the decks of exported meshes, as their READMEs say, in the programs that are installed.
 
-usage: run_decks.py EXPORTS
+usage: run_decks.py EXPORTS [BUNDLE]
 
 EXPORTS holds a folder per format, and outer/ what was written with --no-interfaces. dolfinx on one and two processes,
-FreeFEM, OpenFOAM's checkMesh, CalculiX, deal.II; each mesh that has the deck. Activations must agree between dolfinx and FreeFEM. Exit code 0: all ran; 1: not so; 77: none
-of the programs is installed.
+FreeFEM, OpenFOAM's checkMesh, CalculiX, deal.II; each mesh that has the deck. Activations must agree between dolfinx
+and FreeFEM, checkMesh's figures with those of BUNDLE's certificate. Exit code 0: all ran; 1: not so; 77: none of the
+programs is installed.
 """
 import glob
+import json
 import os
 import re
 import shutil
@@ -128,12 +130,26 @@ def run_freefem(exports, last):
         last.setdefault(deck.split("_activation")[0], []).append(last_time(output))
 
 
-def run_openfoam(exports):
+def certificate_of(bundle):
+    if bundle is None:
+        return {}
+    with open(os.path.join(bundle, "validation", "metrics.json"), encoding="utf-8") as stream:
+        return {(row["scope"], row["metric"]): row["value"] for row in json.load(stream)["rows"]}
+
+
+def run_openfoam(exports, certificate):
+    """checkMesh prints six digits: its figures are the certificate's to that."""
+    figures = {"non_orthogonality_max": r"non-orthogonality Max: ([\d.]+)", "non_orthogonality_mean": r"average: ([\d.]+)",
+               "skewness_max": r"Max skewness = ([\d.]+)"}
     for folder in sorted(glob.glob(os.path.join(exports, "openfoam", "*", "constant"))):
         case = os.path.dirname(folder)
-        output = run(f"checkMesh, {os.path.basename(case)}", ["checkMesh", "-case", case, "-allTopology"], case, r"Mesh OK", FOAM)
-        for line in re.findall(r"Mesh non-orthogonality.*|Max skewness.*", output or ""):
-            print("    " + line)
+        name = os.path.basename(case)
+        output = run(f"checkMesh, {name}", ["checkMesh", "-case", case, "-allTopology"], case, r"Mesh OK", FOAM)
+        for metric, pattern in figures.items() if output and certificate else ():
+            found, wanted = float(re.search(pattern, output).group(1)), certificate[name, metric]
+            print(f"    {metric} {found}, the certificate has {wanted:.6g}")
+            if abs(found - wanted) > 1e-5 * abs(wanted):
+                failures.append(f"checkMesh, {name}: {metric} is {found}, the certificate has {wanted}")
 
 
 def run_gmsh_to_foam(exports):
@@ -176,20 +192,20 @@ def run_dealii(exports):
         with open(source, "w", encoding="ascii") as stream:
             stream.write(DEALII)
         includes = ["-I/usr/lib/x86_64-linux-gnu/openmpi/include", "-I/usr/include/trilinos", "-I/usr/include/suitesparse"]
-        if not run("deal.II, its reader compiled", ["mpicxx", "-std=c++17", "-w", *includes, source, "-o", program, "-Wl,--copy-dt-needed-entries", "-ldeal.ii", "-ltbb"], scratch):
+        if run("deal.II, its reader compiled", ["mpicxx", "-std=c++17", "-w", *includes, source, "-o", program, "-Wl,--copy-dt-needed-entries", "-ldeal.ii", "-ltbb"], scratch) is None:
             return
         for path in meshes:
             run(f"deal.II, {os.path.relpath(path, exports)}", [program, path], scratch, r"\d+ cells.*", ROOT)
 
 
-def main(exports):
+def main(exports, bundle=None):
     last = {}
     if has_module("dolfinx"):
         run_dolfinx(exports, last)
     if shutil.which("FreeFem++"):
         run_freefem(exports, last)
     if shutil.which("checkMesh"):
-        run_openfoam(exports)
+        run_openfoam(exports, certificate_of(bundle))
         run_gmsh_to_foam(exports)
     if shutil.which("ccx"):
         run_calculix(exports)
@@ -207,6 +223,6 @@ def main(exports):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
-    sys.exit(main(os.path.abspath(sys.argv[1])))
+    sys.exit(main(*map(os.path.abspath, sys.argv[1:])))

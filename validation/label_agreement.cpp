@@ -134,7 +134,8 @@ std::vector<double> way_from_ventricle(const LabelVolume& labels, std::uint8_t v
     const auto [value, at] = front.top();
     front.pop();
     if (value > way_mm[static_cast<std::size_t>(at)]) continue;
-    const std::int64_t i = at % grid.size[0], j = at / grid.size[0] % grid.size[1], k = at / grid.size[0] / grid.size[1];
+    const std::int64_t i = at % grid.size[0], j = at / grid.size[0] % grid.size[1],
+                       k = at / grid.size[0] / grid.size[1];
     visit(i, j, k, 1, [&](std::int64_t a, std::int64_t b, std::int64_t c) {
       if (labels(a, b, c) != vessel) return;
       const double x = spacing[0] * static_cast<double>(a - i), y = spacing[1] * static_cast<double>(b - j),
@@ -146,7 +147,8 @@ std::vector<double> way_from_ventricle(const LabelVolume& labels, std::uint8_t v
 }
 
 /// The great vessels of `reference` as far along them as ours go: a model holds stumps of them. Our end is where 95 %
-/// of our vessel's voxels lie below: it is cut level, at an angle to the vessel.
+/// of our vessel's voxels lie below: it is cut level, at an angle to the vessel. What both hold counts, wherever it
+/// lies.
 LabelVolume cut_to_stumps(LabelVolume reference, const LabelVolume& ours) {
   for (const auto& [vessel, ventricle] :
        {std::pair{tag(Region::aorta), tag(Region::lv_blood)}, {tag(Region::pulmonary_artery), tag(Region::rv_blood)}}) {
@@ -157,7 +159,7 @@ LabelVolume cut_to_stumps(LabelVolume reference, const LabelVolume& ours) {
     const double end_mm = quantile(reached, 0.95);
     const auto way_mm = way_from_ventricle(reference, vessel, ventricle);
     for (std::size_t v = 0; v < way_mm.size(); ++v)
-      if (reference.voxels[v] == vessel && way_mm[v] > end_mm) reference.voxels[v] = 0;
+      if (reference.voxels[v] == vessel && ours.voxels[v] != vessel && way_mm[v] > end_mm) reference.voxels[v] = 0;
   }
   return reference;
 }

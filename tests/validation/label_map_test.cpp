@@ -77,6 +77,21 @@ TEST(LabelAgreement, AVesselIsComparedAsFarAsTheModelHoldsIt) {
   }
 }
 
+TEST(LabelAgreement, WholeVesselsInPiecesAreComparedWhole) {
+  Grid grid;
+  grid.size = {5, 5, 40};
+  LabelVolume labels(grid);
+  for (std::int64_t k = 0; k < 40; ++k)
+    for (std::int64_t j = 1; j < 4; ++j)
+      for (std::int64_t i = 1; i < 4; ++i)
+        labels(i, j, k) = k < 10 ? tag(Region::lv_blood) : k < 20 || k > 30 ? tag(Region::aorta) : std::uint8_t{0};
+  for (const auto& row : compare_labels(labels, labels)) {
+    if (row.metric == "dice") {
+      EXPECT_EQ(row.value, 1) << row.scope;
+    }
+  }
+}
+
 TEST(LabelAgreement, AnArchThatComesBackToTheHeartIsNoStump) {
   Grid grid;
   grid.size = {12, 5, 30};

@@ -152,13 +152,13 @@ Centroids centroids_of(const TetMesh& mesh, const LabelVolume& labels) {
   return sums;
 }
 
-/// A region that is a crumb as a whole has a volume only: no mesh of such cells can have its shape.
+/// A region that is a crumb as a whole has a volume only, no mesh of such cells can have its shape; unless it is lost.
 void add_agreement(const Rows& rows, const RegionTopology& mesh, const Overlap& overlap, const Centroids& centroids,
                    std::uint8_t label, const Grid& grid, double crumb_ml) {
   const double volume_ml = sum_of(mesh.components_ml);
   const double label_ml = static_cast<double>(overlap.in_labels[label]) * grid.voxel_volume_mm3() / mm3_per_ml;
   rows.add("volume_of_labels", label_ml, "ml");
-  if (std::max(volume_ml, label_ml) < crumb_ml) return;
+  if (volume_ml > 0 && std::max(volume_ml, label_ml) < crumb_ml) return;
   if (overlap.in_labels[label] > 0 && overlap.in_mesh[label] > 0)
     rows.add("centroid_shift", norm(centroids.of_mesh[label] - centroids.of_labels[label]), "mm");
   if (label_ml > 0) rows.add("volume_difference", 100 * (volume_ml / label_ml - 1), "%");

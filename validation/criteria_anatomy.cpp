@@ -6,9 +6,8 @@ namespace {
 // Published adults, any phase of the beat. Beyond `warn_*` a heart is unusual; beyond `fail_*` none of that size lives.
 constexpr const char* volumes =
     "Healthy adults from women at end systole to men at end diastole, two standard deviations wide (Petersen 2017, UK "
-    "Biobank: left ventricle 49 +- 11 to 166 +- 32 ml, right 55 +- 15 to 182 +- 36 ml). Below 2.5 deviations no "
-    "adult's "
-    "is expected; failing hearts grow threefold.";
+    "Biobank: left ventricle 49 +- 11 to 166 +- 32 ml, right 55 +- 15 to 182 +- 36 ml). Beyond 2.5 deviations "
+    "below, none is expected; failing hearts grow threefold.";
 constexpr const char* atria =
     "Healthy adults have atria of at most 62 +- 17 to 93 +- 27 ml (Petersen 2017, UK Biobank) and empty them by half; "
     "in atrial fibrillation they grow fivefold.";

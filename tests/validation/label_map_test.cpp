@@ -99,7 +99,9 @@ TEST(LabelAgreement, AnArchThatComesBackToTheHeartIsNoStump) {
   for (std::int64_t k = 0; k < 30; ++k)
     for (std::int64_t j = 1; j < 4; ++j)
       for (std::int64_t i = 1; i < 11; ++i) {
-        const bool up = i<4, down = i> 6, over = k > 26;
+        const bool up = i < 4;
+        const bool down = i > 6;
+        const bool over = k > 26;
         if (up) truth(i, j, k) = ours(i, j, k) = k < 10 ? tag(Region::lv_blood) : tag(Region::aorta);
         if (over || down) truth(i, j, k) = tag(Region::aorta);
         if (up && k >= 20) ours(i, j, k) = 0;

@@ -16,7 +16,7 @@ comma := ,
 CLIENT_FORMATS := $(subst $(empty) $(empty),$(comma),vtk vtu msh msh-ascii msh2 dealii xdmf opencarp opencarp-binary chaste \
   svmultiphysics openfoam cardiacfoam medit mfem cardioid abaqus febio stl ply)
 
-.PHONY: all demo test test-clients bench asan format clean
+.PHONY: all demo test test-clients test-machines bench asan format clean
 all: $(HEARTGEN)
 
 build/packages.stamp: .ci/install-packages
@@ -54,8 +54,8 @@ test: $(BUILD)/build.ninja
 	ctest --preset release
 
 # The demo's exports in the programs that read them, which it installs.
-build/clients.stamp: .ci/install-clients
-	.ci/install-clients
+build/%.stamp: .ci/install-packages
+	.ci/install-packages $*
 	@mkdir -p build && touch $@
 
 test-clients: demo/bundle/manifest.json build/clients.stamp
@@ -66,6 +66,10 @@ test-clients: demo/bundle/manifest.json build/clients.stamp
 	/usr/bin/python3 tests/clients/reader_rules.py demo/clients
 	/usr/bin/python3 tests/clients/run_decks.py demo/clients demo/bundle
 	/usr/bin/python3 tests/clients/check_report.py demo/bundle/validation/report.html
+
+# The same bits on other processors, vector instructions, threads, processes and BLAS.
+test-machines: $(HEARTGEN) build/machines.stamp
+	tests/machines/same_bits.sh $(HEARTGEN)
 
 # Speeds of the image stages on this machine; the last one on two processes.
 bench: $(HEARTGEN)

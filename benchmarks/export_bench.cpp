@@ -1,12 +1,12 @@
 // Every export format with a mesh as large as the thesis's myocardium.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 
 #include "benchmarks/benchmarks.hpp"
 #include "exporters/registry.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::benchmarks {
 namespace {
@@ -17,7 +17,7 @@ constexpr int cubes = 47;  ///< 12 × 47³ = 1.25 million cells
 
 /// Shaken a little, so that no coordinate is a short number.
 Vec3 node_at(int i, int j, int k) {
-  const double shake = 0.05 * std::sin(12.9898 * i + 78.233 * j + 37.719 * k);
+  const double shake = 0.05 * math::sin(12.9898 * i + 78.233 * j + 37.719 * k);
   return {1.1 * i + shake, j - shake, 0.9 * k + 0.5 * shake};
 }
 
@@ -25,7 +25,7 @@ FiberField axes_at(const std::vector<Vec3>& points) {
   FiberField field;
   for (const auto& p : points) {
     const double angle = 0.02 * p.z + 0.003 * p.x;
-    const Vec3 fiber{std::cos(angle) * 0.8, std::sin(angle) * 0.8, 0.6};
+    const Vec3 fiber{math::cos(angle) * 0.8, math::sin(angle) * 0.8, 0.6};
     const Vec3 sheet = normalized(cross(fiber, {0, 0, 1}));
     field.fiber.push_back(fiber);
     field.sheet.push_back(sheet);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "generator/mesh/walls.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::benchmarks {
 namespace {
@@ -40,7 +40,7 @@ double heart_edge_for(const LabelVolume& labels, const Settings& asked) {
   double volume_mm3 = 0;
   for (const auto label : labels.voxels)
     if (is_myocardium(static_cast<Region>(label))) volume_mm3 += labels.grid.voxel_volume_mm3();
-  return std::cbrt(cells_per_cubed_edge * volume_mm3 / wall_cells);
+  return math::cbrt(cells_per_cubed_edge * volume_mm3 / wall_cells);
 }
 
 /// What one run took.

@@ -16,6 +16,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::benchmarks {
 namespace {
@@ -138,7 +139,7 @@ void add_scaling(Table& table) {
   constexpr int sizes = 9;  // 100 k to 25 M cells
   constexpr double most_bytes_per_cell = 300;
   for (int doubling = 0; doubling < sizes; ++doubling) {
-    const double edge = 2.27 * std::exp2(-doubling / 3.0);
+    const double edge = 2.27 * math::exp2(-doubling / 3.0);
     Meshed meshed;
     if (2 * cells_before * most_bytes_per_cell > free_bytes()) {
       table.push_back({"mesh-scaling", fmt::format("{:.0f} k cells: left out", 2 * cells_before / 1e3), 0, "",
@@ -150,7 +151,7 @@ void add_scaling(Table& table) {
     const double bytes = peak_bytes(), cells = static_cast<double>(meshed.complex.cells.size());
     // Per doubling, whatever the sizes came to.
     const auto per_doubling = [&](double now, double before) {
-      return std::pow(now / before, std::numbers::ln2 / std::log(cells / cells_before));
+      return math::pow(now / before, std::numbers::ln2 / math::log(cells / cells_before));
     };
     table.push_back(
         {"mesh-scaling", fmt::format("{:.0f} k cells", cells / 1e3), time, "s",

@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "model/mathematics.hpp"
+
 namespace heart::benchmarks {
 namespace {
 
@@ -66,7 +68,7 @@ AnalyticDomain random_walls(std::uint32_t seed) {
   const double wall = number(1.5, 5), bump = number(0, 0.5), wave = number(0.3, 0.8), noise = number(0, 0.15);
   const Vec3 shift{number(-1, 1), number(-1, 1), number(-1, 1)}, turn{number(-1, 1), number(-1, 1), number(-1, 1)};
   const auto ripple = [=](const Vec3& p, double frequency) {
-    return std::sin(frequency * p.x) * std::sin(frequency * p.y + 1) * std::sin(frequency * p.z + 2);
+    return math::sin(frequency * p.x) * math::sin(frequency * p.y + 1) * math::sin(frequency * p.z + 2);
   };
   const Field left = [=](const Vec3& p) {
     const Vec3 q = p - shift + 0.3 * cross(turn, p);

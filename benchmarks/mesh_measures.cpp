@@ -1,8 +1,9 @@
 #include "benchmarks/mesh_measures.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
+
+#include "model/mathematics.hpp"
 
 namespace heart::benchmarks {
 
@@ -16,7 +17,7 @@ void add_cell(Angles& angles, const std::array<Vec3, 4>& p) {
       const Vec3 along = p[j] - p[i];
       const Vec3 a = cross(along, p[rest[0]] - p[i]), b = cross(along, p[rest[1]] - p[i]);
       const double cosine = std::clamp(dot(a, b) / (norm(a) * norm(b)), -1.0, 1.0);
-      const double degrees = std::acos(cosine) * 180 / std::numbers::pi;
+      const double degrees = math::acos(cosine) * 180 / std::numbers::pi;
       angles.least = std::min(angles.least, degrees);
       angles.greatest = std::max(angles.greatest, degrees);
     }

@@ -5,11 +5,11 @@
 #include "benchmarks/benchmarks.hpp"
 #include "benchmarks/test_images.hpp"
 #include "generator/adapters/itk_chan_vese.hpp"
+#include "generator/parallel/simd.hpp"
 #include "generator/parallel/slab.hpp"
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/chan_vese_flow.hpp"
 #include "generator/segment/diffusion.hpp"
-#include "generator/segment/simd.hpp"
 #include "generator/segment/total_variation.hpp"
 
 namespace heart::benchmarks {
@@ -84,13 +84,13 @@ void measure(Table& table, const Settings& settings, const std::vector<Sweep>& s
 }
 
 void measure_levels(Table& table, const Settings& settings, const Sweep& sweep, double voxels) {
-  const Simd best = simd_level();
-  for (const Simd level : {Simd::plain, Simd::avx2, Simd::avx512}) {
-    if (set_simd_level(level) != level) break;
-    add_rate(table, fmt::format("{}, {} code", sweep.name, name_of(level)), voxels,
+  const auto best = parallel::simd_level();
+  for (const auto level : {parallel::Simd::plain, parallel::Simd::avx2, parallel::Simd::avx512}) {
+    if (parallel::set_simd_level(level) != level) break;
+    add_rate(table, fmt::format("{}, {} code", sweep.name, parallel::name_of(level)), voxels,
              sweep_seconds(settings.repeats, sweep), "the same bits");
   }
-  set_simd_level(best);
+  parallel::set_simd_level(best);
 }
 
 void measure_memory(Table& table, const Sweep& sweep, double voxels) {

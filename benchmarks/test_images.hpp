@@ -1,9 +1,9 @@
 // Images that cost nothing to make: balls of blood in muscle, with noise.
 #pragma once
-#include <cmath>
 #include <cstdint>
 
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 #include "model/volume.hpp"
 
 namespace heart::benchmarks {
@@ -19,7 +19,7 @@ inline Grid grid_of(Index3 size, Vec3 spacing_mm = {0.5, 0.5, 1.2}) {
 inline Volume<float> test_image(const Grid& grid) {
   Volume<float> image(grid);
   const auto wave = [](std::int64_t i, double length_mm, double spacing) {
-    return std::sin(6.283185307179586 * static_cast<double>(i) * spacing / length_mm);
+    return math::sin(6.283185307179586 * static_cast<double>(i) * spacing / length_mm);
   };
   parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
     for (auto k = begin; k < end; ++k)

@@ -120,7 +120,7 @@ std::string write_bundle(const Bundle& bundle, const ReservedPlace& place, Exist
   Manifest manifest = describe_bundle(bundle);
   write_files(bundle, manifest, place.partial);
   manifest.files = hash_files(place.partial);
-  manifest.content_id = content_id(manifest.files);
+  manifest.content_id = content_id(manifest);
   write_text(place.partial / "manifest.json", manifest_text(manifest));
   move_into_place(place, existing);
   return manifest.content_id;

@@ -98,8 +98,9 @@ constexpr const char* readme_files = R"(## Files
 | `manifest.json` | tags, counts and the SHA-256 of every file; check with `heartgen verify` |
 | `ro-crate-metadata.json`, `CITATION.cff`, `LICENSE` | for catalogues, for citing, the terms |
 
-The content id in `manifest.json` is the SHA-256 over the sorted lines `path sha256` of all files but `manifest.json`
-and `logs/`. Equal ids mean equal models.
+The content id in `manifest.json` is the SHA-256 of its text without the keys `content_id`, `inputs`, `tools` and
+`manifest_sha256`: it covers every file but `logs/*.log`, and names, tags, counts, unit and frame. Equal ids mean equal
+models.
 
 ## Frame, units, arrays
 

@@ -85,6 +85,19 @@ Json manifest_json(const Manifest& m) {
   return json;
 }
 
+// File names in another encoding than UTF-8 must not stop a build: such bytes are replaced.
+std::string canonical_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
+
+std::string first_content_id(const std::vector<ManifestFile>& files) {
+  std::vector<std::string> lines;
+  lines.reserve(files.size());
+  for (const auto& file : files) lines.push_back(file.path + " " + file.sha256 + "\n");
+  std::sort(lines.begin(), lines.end());
+  std::string text;
+  for (const auto& line : lines) text += line;
+  return sha256_of_text(text);
+}
+
 Manifest manifest_from(const Json& json) {
   Manifest m;
   json.at("schema").get_to(m.schema);
@@ -112,16 +125,16 @@ Manifest manifest_from(const Json& json) {
 
 }  // namespace
 
-bool is_covered(const std::string& path) { return path != "manifest.json" && path.rfind("logs/", 0) != 0; }
+bool is_covered(const std::string& path) {
+  const std::filesystem::path parts(path);
+  return path != "manifest.json" && !(parts.parent_path() == "logs" && parts.extension() == ".log");
+}
 
-std::string content_id(const std::vector<ManifestFile>& files) {
-  std::vector<std::string> lines;
-  lines.reserve(files.size());
-  for (const auto& file : files) lines.push_back(file.path + " " + file.sha256 + "\n");
-  std::sort(lines.begin(), lines.end());
-  std::string text;
-  for (const auto& line : lines) text += line;
-  return sha256_of_text(text);
+std::string content_id(const Manifest& manifest) {
+  if (manifest.schema == first_bundle_schema) return first_content_id(manifest.files);
+  Json json = manifest_json(manifest);
+  for (const char* key : {"content_id", "inputs", "tools"}) json.erase(key);
+  return sha256_of_text(canonical_text(json));
 }
 
 std::vector<ManifestFile> hash_files(const std::filesystem::path& folder) {
@@ -167,17 +180,15 @@ Manifest describe_bundle(const Bundle& bundle) {
 
 std::string manifest_text(const Manifest& manifest) {
   Json json = manifest_json(manifest);
-  // File names in another encoding than UTF-8 must not stop a build: such bytes are replaced.
-  const auto text = [&] { return json.dump(2, ' ', false, Json::error_handler_t::replace); };
-  json["manifest_sha256"] = sha256_of_text(text());
-  return text() + "\n";
+  json["manifest_sha256"] = sha256_of_text(canonical_text(json));
+  return canonical_text(json) + "\n";
 }
 
 Manifest parse_manifest(const std::string& text, const std::string& path) {
   const std::string remedy = "is this the folder of a bundle, and is it whole?";
   try {
     Manifest manifest = manifest_from(Json::parse(text));
-    if (manifest.schema != bundle_schema)
+    if (manifest.schema != bundle_schema && manifest.schema != first_bundle_schema)
       throw UserError("schema '" + manifest.schema + "' is not known to this version", path, "use a newer heartgen");
     if (manifest_text(manifest) != text) throw UserError("has been altered: manifest_sha256 differs", path, remedy);
     return manifest;

@@ -7,13 +7,15 @@
 
 namespace heart::exporters {
 
-inline constexpr const char* bundle_schema = "heartgen-bundle-1";
+inline constexpr const char* bundle_schema = "heartgen-bundle-2";
+inline constexpr const char* first_bundle_schema = "heartgen-bundle-1";  ///< its content id covers the files alone
 
-/// Files that the manifest lists and the content id covers: all but the manifest and the logs.
+/// Files that the manifest lists and the content id covers: all but the manifest and the logs, `logs/NAME.log`.
 bool is_covered(const std::string& path);
 
-/// SHA-256 over the sorted lines "path sha256\n".
-std::string content_id(const std::vector<ManifestFile>& files);
+/// SHA-256 of the manifest's canonical text without `content_id`, `inputs` and `tools`: the model and its files,
+/// whatever they were made from and by. Of the first schema: over the sorted lines "path sha256\n".
+std::string content_id(const Manifest& manifest);
 
 /// The files below `folder` that the content id covers, hashed, sorted by path.
 std::vector<ManifestFile> hash_files(const std::filesystem::path& folder);

@@ -1,4 +1,5 @@
 // A bundle against its manifest.
+#include <algorithm>
 #include <set>
 
 #include "exporters/bundle.hpp"
@@ -37,6 +38,24 @@ void check_mesh_entries(const Manifest& manifest, const std::set<std::string>& l
         problems.push_back({path, "file of mesh '" + name + "' is not in the manifest's list"});
 }
 
+/// Without control characters but ends of lines and tabs.
+bool is_plain_text(const fs::path& file) {
+  if (!fs::is_regular_file(file)) return false;
+  const std::string text = read_text(file);
+  return std::none_of(text.begin(), text.end(), [](char c) {
+    const auto code = static_cast<unsigned char>(c);
+    return (code < 0x20 && c != '\n' && c != '\t') || code == 0x7f;
+  });
+}
+
+/// What is wrong with a file that the manifest does not list, or "".
+std::string defect_of_unlisted(const fs::path& folder, const std::string& path) {
+  if (fs::is_symlink(fs::symlink_status(folder / path))) return "is a link";
+  if (path == "manifest.json") return "";
+  if (is_covered(path)) return "is not in the manifest";
+  return is_plain_text(folder / path) ? "" : "is no log: it holds more than plain text";
+}
+
 }  // namespace
 
 std::vector<Problem> verify_bundle(const fs::path& folder) {
@@ -54,14 +73,12 @@ std::vector<Problem> verify_bundle(const fs::path& folder) {
     if (const auto defect = defect_of(folder, file); !defect.empty()) problems.push_back({file.path, defect});
   }
   for (const auto& path : files_below(folder)) {
-    if (fs::is_symlink(fs::symlink_status(folder / path)) && !listed.count(path))
-      problems.push_back({path, "is a link"});
-    else if (is_covered(path) && !listed.count(path))
-      problems.push_back({path, "is not in the manifest"});
+    if (listed.count(path)) continue;
+    if (const auto defect = defect_of_unlisted(folder, path); !defect.empty()) problems.push_back({path, defect});
   }
   check_mesh_entries(manifest, listed, problems);
-  if (content_id(manifest.files) != manifest.content_id)
-    problems.push_back({"manifest.json", "content_id is not that of the listed files"});
+  if (content_id(manifest) != manifest.content_id)
+    problems.push_back({"manifest.json", "content_id is not that of the model and its files"});
   return problems;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::validation {
 namespace {
@@ -18,7 +19,7 @@ constexpr std::array<std::array<std::size_t, 2>, 6> opposite{{{2, 3}, {1, 3}, {1
 double dihedral_deg(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 axis = b - a;
   const Vec3 u = cross(axis, c - a), v = cross(axis, d - a);
-  return std::atan2(norm(cross(u, v)), dot(u, v)) * degrees;
+  return math::atan2(norm(cross(u, v)), dot(u, v)) * degrees;
 }
 
 double area(const Vec3& a, const Vec3& b, const Vec3& c) { return norm(cross(b - a, c - a)) / 2; }
@@ -90,7 +91,7 @@ FaceQuality face_quality(const std::array<Vec3, 3>& face, const Vec3& center, co
   const Vec3 face_center = (face[0] + face[1] + face[2]) / 3;
   const double along = std::abs(dot(line, normal));
   FaceQuality q;
-  q.non_orthogonality_deg = std::atan2(norm(cross(line, normal)), along) * degrees;
+  q.non_orthogonality_deg = math::atan2(norm(cross(line, normal)), along) * degrees;
   if (along > 0) q.skewness = skewness_of(face, face_center - center, line, normal, 0.2);
   return q;
 }

@@ -8,6 +8,7 @@
 
 #include "model/face_tree.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 #include "validation/criteria.hpp"
 #include "validation/quantiles.hpp"
 
@@ -144,7 +145,7 @@ Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourF
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) faces_of[mesh.surface[f]].push_back(f);
   const auto halves = labelled_halves(mesh);
   const auto tree = make_face_tree(mesh.nodes_mm, mesh.faces);
-  const double voxel_mm = std::cbrt(ct.grid.voxel_volume_mm3());
+  const double voxel_mm = math::cbrt(ct.grid.voxel_volume_mm3());
   Report report;
   for (const auto& [surface, faces] : faces_of) {
     const std::size_t stride =

@@ -15,6 +15,7 @@
 #include "model/face_tree.hpp"
 #include "model/feature_curves.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 #include "validation/quantiles.hpp"
 
 namespace heart::validation {
@@ -87,7 +88,7 @@ double radius_of_regions(const LabelAt& label_at, Regions wanted, const Vec3& pl
     const double radius = static_cast<double>(step) / steps_per_edge;
     for (int d = 0; d < directions && missing != 0; ++d) {
       const double angle = 2 * std::numbers::pi * d / directions;
-      const Vec3 way = std::cos(angle) * u + std::sin(angle) * v;
+      const Vec3 way = math::cos(angle) * u + math::sin(angle) * v;
       missing &= ~bit_of(label_at(place + radius * edge_mm * way));
     }
     if (missing == 0) return radius;

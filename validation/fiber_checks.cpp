@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "model/mathematics.hpp"
 #include "model/mesh_edges.hpp"
 #include "validation/criteria.hpp"
 #include "validation/heart_frame.hpp"
@@ -53,7 +54,7 @@ bool ventricular(std::int32_t region) {
 }
 
 double axis_angle_deg(const Vec3& a, const Vec3& b) {
-  return degrees * std::atan2(norm(cross(a, b)), std::abs(dot(a, b)));
+  return degrees * math::atan2(norm(cross(a, b)), std::abs(dot(a, b)));
 }
 
 /// Angles between the fibre axes at the ends of edges of the ventricles' cells.
@@ -179,7 +180,7 @@ HelixSamples helix_samples(const TetMesh& mesh, Region ventricle) {
     double rise = dot(fiber, up), turn = dot(fiber, cross(up, n));
     if (turn < 0) rise = -rise, turn = -turn;
     samples.depth.push_back(wall.depth[w]);
-    samples.helix_deg.push_back(degrees * std::atan2(rise, turn));
+    samples.helix_deg.push_back(degrees * math::atan2(rise, turn));
   }
   return samples;
 }
@@ -188,10 +189,10 @@ HelixSamples helix_samples(const TetMesh& mesh, Region ventricle) {
 double axis_quantile(const std::vector<double>& angles_deg, double q) {
   double c = 0, s = 0;
   for (const double a : angles_deg) {
-    c += std::cos(2 * a / degrees);
-    s += std::sin(2 * a / degrees);
+    c += math::cos(2 * a / degrees);
+    s += math::sin(2 * a / degrees);
   }
-  const double mean = 0.5 * degrees * std::atan2(s, c);
+  const double mean = 0.5 * degrees * math::atan2(s, c);
   std::vector<double> around;
   around.reserve(angles_deg.size());
   for (const double a : angles_deg) around.push_back(mean + std::remainder(a - mean, 180.0));

@@ -2,12 +2,12 @@
 // the normals of the endocardium and the epicardium, averaged into the wall.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "generator/parallel/tasks.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 #include "validation/boundary_faces.hpp"
 #include "validation/heart_frame.hpp"
 #include "validation/pictures.hpp"
@@ -111,7 +111,7 @@ double helix_deg(const Vec3& fiber, const Vec3& outward, const Vec3& axis) {
   if (c * c + l * l < 1e-12) return std::numeric_limits<double>::quiet_NaN();
   if (c < 0) c = -c, l = -l;
   constexpr double degrees = 57.29577951308232;
-  return std::atan2(l, c) * degrees;
+  return math::atan2(l, c) * degrees;
 }
 
 /// The nodes of a ventricle's wall, and its unit outward direction there.

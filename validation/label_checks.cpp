@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "model/mathematics.hpp"
 #include "validation/criteria.hpp"
 #include "validation/distance_map.hpp"
 #include "validation/quantiles.hpp"
@@ -115,7 +116,7 @@ std::vector<double> wall_thickness(const LabelVolume& labels, Region wall, Regio
         outside[v] = !is_wall[v] && !inside[v];
       }
   const auto to_cavity = distance_to(grid, inside), to_outside = distance_to(grid, outside);
-  const double voxel_mm = std::cbrt(grid.voxel_volume_mm3());
+  const double voxel_mm = math::cbrt(grid.voxel_volume_mm3());
   // Centres of voxels lie inside their surfaces: by one voxel on both sides together where the wall runs along the
   // grid, by about 0.6 where it runs obliquely.
   const double inset_mm = 0.75 * voxel_mm;

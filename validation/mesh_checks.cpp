@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
 
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 #include "model/sort_unique.hpp"
 #include "validation/cell_quality.hpp"
 #include "validation/criteria.hpp"
@@ -139,7 +139,7 @@ struct FaceSummary {
   double cosine = 0, max_angle = 0, skewness = 0, max_skewness = 0, count = 0;
 
   void take(const FaceQuality& q) {
-    cosine += std::cos(q.non_orthogonality_deg / degrees);
+    cosine += math::cos(q.non_orthogonality_deg / degrees);
     max_angle = std::max(max_angle, q.non_orthogonality_deg);
     skewness += q.skewness;
     max_skewness = std::max(max_skewness, q.skewness);
@@ -149,7 +149,7 @@ struct FaceSummary {
 
 void add_finite_volume_rows(const Rows& rows, const FaceSummary& s) {
   if (s.count == 0) return;
-  rows.add("non_orthogonality_mean", std::acos(std::min(s.cosine / s.count, 1.0)) * degrees, "deg");
+  rows.add("non_orthogonality_mean", math::acos(std::min(s.cosine / s.count, 1.0)) * degrees, "deg");
   rows.add("non_orthogonality_max", s.max_angle, "deg");
   rows.add("skewness_mean", s.skewness / s.count, "1");
   rows.add("skewness_max", s.max_skewness, "1");

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 #include "model/voxels_in_cell.hpp"
 
 namespace heart::validation {
@@ -21,7 +22,7 @@ Vec3 mesh_axis(const TetMesh& mesh, const Cell& cell, const std::array<double, 4
 }
 
 double axis_angle_deg(const Vec3& a, const Vec3& b) {
-  return std::acos(std::min(1.0, std::abs(dot(a, b)))) * 180 / std::numbers::pi;
+  return math::acos(std::min(1.0, std::abs(dot(a, b)))) * 180 / std::numbers::pi;
 }
 
 /// Of the voxel centres within a part of the mesh.

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "datasets/phantom/body.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -13,7 +12,7 @@ namespace {
 constexpr double degree = 3.14159265358979323846 / 180;
 
 Mat3 rotation_about(int axis, double angle_deg) {
-  const double c = std::cos(angle_deg * degree), s = std::sin(angle_deg * degree);
+  const double c = math::cos(angle_deg * degree), s = math::sin(angle_deg * degree);
   Mat3 m;
   const int a = (axis + 1) % 3, b = (axis + 2) % 3;
   m[a][a] = m[b][b] = c;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <optional>
 
+#include "model/mathematics.hpp"
+
 namespace heart::datasets {
 namespace {
 
@@ -12,7 +14,7 @@ double length2d(double a, double b) { return std::sqrt(a * a + b * b); }
 double outline(double half_width, double front, double back, const Vec3& t) {
   const double half_depth = 0.5 * (back - front);
   const double a = std::abs(t.x) / half_width, b = std::abs(t.y - front - half_depth) / half_depth;
-  const double f = std::pow(a * a * std::sqrt(a) + b * b * std::sqrt(b), 0.4);
+  const double f = math::pow(a * a * std::sqrt(a) + b * b * std::sqrt(b), 0.4);
   if (f < 1e-6) return -std::min(half_width, half_depth);
   const double u = a / f, v = b / f;
   return (f - 1) / length2d(u * std::sqrt(u) / half_width, v * std::sqrt(v) / half_depth);
@@ -50,7 +52,7 @@ Place locate(const BodyShapes& body, const Vec3& p, double skin) {
   const double gutter = 0.95 * (at.t.y - (at.spine_y + 11 + 0.32 * std::abs(at.t.x)));
   at.wall = z > 172 ? 40 : smooth_max(outline(body.cavity_half_width(z), front, back, at.t), gutter, 8);
   at.diaphragm = diaphragm_height(at.t.x, at.t.y);
-  at.turn = 1 - std::atan2(std::abs(at.t.x), 0.5 * (front + back) - at.t.y) / 3.14159265358979323846;
+  at.turn = 1 - math::atan2(std::abs(at.t.x), 0.5 * (front + back) - at.t.y) / 3.14159265358979323846;
   return at;
 }
 
@@ -78,7 +80,7 @@ std::optional<Sample> spine_sample(const Place& at) {
   const double dy = at.t.y - at.spine_y;
   if (std::abs(at.t.x) > 42 || dy < -20 || dy > 50) return std::nullopt;
   const double level = periodic(at.t.z, 25);
-  const double waist = 1 - 0.07 * std::cos(level * 0.3);
+  const double waist = 1 - 0.07 * math::cos(level * 0.3);
   const double in_body = (1 - length2d(at.t.x / (18.5 * waist), dy / (15 * waist))) * 15;
   if (in_body > 0) {
     const double end_plate = 9.3 - std::abs(level);
@@ -91,7 +93,7 @@ std::optional<Sample> spine_sample(const Place& at) {
 std::optional<Sample> rib_sample(const Place& at) {
   if (at.wall < 0.5 || at.wall > 12.5 || at.t.z > 150 || at.t.z < -165) return std::nullopt;
   const double course = std::min(at.turn / 0.74, 1.0);
-  double drop = 66 * std::sin(course * 1.5707963) * smooth_step(172, 122, at.t.z);
+  double drop = 66 * math::sin(course * 1.5707963) * smooth_step(172, 122, at.t.z);
   if (at.turn > 0.74) drop -= 26 * smooth_step(0.74, 0.97, at.turn);
   const double height = at.t.z + drop - 10;
   const double across = 0.8 * periodic(height, 25);
@@ -109,7 +111,7 @@ std::optional<Sample> sternum_sample(const BodyShapes& body, const Place& at) {
   const double half = 13 + 3 * smooth_step(20, -10, z) + 12 * smooth_step(78, 100, z) - 9 * smooth_step(-30, -48, z);
   const double middle = body.cavity_front(z) - 8;
   // A plate with rounded edges: 10 mm thick, hollowed a little at the level of each pair of ribs.
-  const double thick = 5 - 0.5 * std::cos(z * 0.25), edge = 3.5;
+  const double thick = 5 - 0.5 * math::cos(z * 0.25), edge = 3.5;
   const double across = std::max(std::abs(at.t.x) - half + edge, 0.0);
   const double deep = std::max(std::abs(at.t.y - middle) - thick + edge, 0.0);
   const double d = std::max({length2d(across, deep) - edge, -52 - z, z - 116});
@@ -142,7 +144,7 @@ std::optional<Sample> shoulder_sample(const BodyShapes& body, const Place& at, c
   if (s.clavicle < 0) return bone(-s.clavicle, 1.8);
   if (s.limb < 0) return bone(-s.limb, 3);
   if (s.scapula < 0) return bone(-s.scapula, 1.3);
-  const double wave = 2 * std::sin(at.t.z / 11 + at.t.x / 19) + 2 * std::sin(at.t.y / 9);
+  const double wave = 2 * math::sin(at.t.z / 11 + at.t.x / 19) + 2 * math::sin(at.t.y / 9);
   const double muscle = std::min({s.clavicle - 6, s.limb - 15 - wave, s.scapula - 11 - wave});
   if (muscle < 0 && at.depth > 6 && at.wall > 11) return torso(Tissue::muscle);
   return std::nullopt;
@@ -159,7 +161,7 @@ Sample soft_wall(const BodyShapes& body, const Place& at) {
   if (beside_spine)
     return torso(length2d(x - 26, at.t.y - at.spine_y - 40) > 23.5 && x > 6 ? Tissue::fat : Tissue::muscle);
   // Planes of fat between the muscles, bent so that they do not run parallel to the ribs.
-  const double bend = 5 * std::sin(x / 17 + 0.05 * z) + 4 * std::sin(at.t.y / 13 - 0.04 * z) + 0.18 * z;
+  const double bend = 5 * math::sin(x / 17 + 0.05 * z) + 4 * math::sin(at.t.y / 13 - 0.04 * z) + 0.18 * z;
   if (z > 165) return torso(std::abs(periodic(at.depth + bend, 19)) < 1.2 ? Tissue::fat : Tissue::muscle);
   const double pectoral =
       15 * smooth_step(0.58, 0.68, at.turn) * smooth_step(0.96, 0.88, at.turn) * smooth_step(-30, 30, z);
@@ -242,7 +244,7 @@ std::optional<Sample> tube_sample(const BodyShapes& body, const Vec3& p, double 
 
 double skin_distance(const BodyShapes& body, const Vec3& p) {
   const Vec3 t{p.x / body.stretch.x, p.y / body.stretch.y, p.z / body.stretch.z};
-  const double furrow = 6 * std::exp(-t.x * t.x / 260) * smooth_step(60, 110, t.y);  // between the muscles of the back
+  const double furrow = 6 * math::exp(-t.x * t.x / 260) * smooth_step(60, 110, t.y);  // between the muscles of the back
   return outline(body.skin_half_width(t.z), body.skin_front(t.z), body.skin_back(t.z), t) + furrow;
 }
 

@@ -3,6 +3,7 @@
 
 #include "datasets/phantom/companions.hpp"
 #include "datasets/phantom/image.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -48,8 +49,8 @@ float grey_of(const Neck& neck, const Vec3& p) {
   if (neck.lumen(p) < 0) return 390;
   if (neck.lumen(p) < 0.9) return 70;
   if (neck.vein(p) < 0) return 150;
-  const double muscle = std::hypot(p.x - 4, p.y + 20) - 9, back = std::hypot(p.x + 2, p.y - 30) - 17;
-  const double airway = std::hypot(p.x + 26, p.y + 8) - 8;
+  const double muscle = math::hypot(p.x - 4, p.y + 20) - 9, back = math::hypot(p.x + 2, p.y - 30) - 17;
+  const double airway = math::hypot(p.x + 26, p.y + 8) - 8;
   if (airway < 0) return -1000;
   if (airway < 2) return 90;
   return std::min(muscle, back) < 0 ? 60 : -85;

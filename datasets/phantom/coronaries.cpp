@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "datasets/phantom/heart_shapes.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -27,7 +28,7 @@ std::vector<CurvePoint> around_valve(const HeartShapes& heart, const Valve& valv
   std::vector<CurvePoint> course;
   for (int step = 0; step <= 8; ++step) {
     const double angle = turn_deg * step / 8 * pi / 180;
-    const Vec3 direction = std::cos(angle) * u + std::sin(angle) * v;
+    const Vec3 direction = math::cos(angle) * u + math::sin(angle) * v;
     course.push_back({lift(heart, valve.plane.point, direction, 45 * heart.scale), 1.7 - 0.05 * step});
   }
   return course;
@@ -42,7 +43,7 @@ std::vector<CurvePoint> along_groove(const HeartShapes& heart, double from_deg, 
     const Vec3 middle = heart.center + height * length * heart.local[2];
     for (int step = 0; step <= 50; ++step) {
       const double angle = (from_deg + 0.02 * step * (to_deg - from_deg)) * pi / 180;
-      const Vec3 direction = std::cos(angle) * heart.local[0] + std::sin(angle) * heart.local[1];
+      const Vec3 direction = math::cos(angle) * heart.local[0] + math::sin(angle) * heart.local[1];
       const double shell = heart.lv_outer_mm.x * std::sqrt(1 - height * height) + clearance_mm;
       if (heart_field(heart, middle + shell * direction).rv_outer > clearance_mm) continue;
       course.push_back({lift(heart, middle, direction, 60 * heart.scale), 1.5 - 0.4 * (0.22 - height)});

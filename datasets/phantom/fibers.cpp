@@ -1,9 +1,9 @@
 // Analytic fibres of the phantom's ventricles.
-#include <cmath>
 #include <limits>
 
 #include "datasets/phantom/anatomy.hpp"
 #include "datasets/phantom/body.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -119,7 +119,7 @@ Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm, HelixField helix_fiel
   const Vec3 around = cross(along, across);
   const double depth = std::clamp(raw_depth(heart, wall, lps_mm), 0.0, 1.0);
   const double helix = helix_deg(heart, wall, lps_mm, depth, helix_field) * 3.14159265358979323846 / 180;
-  return normalized(std::cos(helix) * around + std::sin(helix) * along);
+  return normalized(math::cos(helix) * around + math::sin(helix) * along);
 }
 
 }  // namespace heart::datasets

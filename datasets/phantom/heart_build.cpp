@@ -1,5 +1,6 @@
 // Where the parts of the template heart lie. All numbers are template millimetres (see HeartPose).
 #include "datasets/phantom/heart_shapes.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -84,7 +85,7 @@ void add_papillary_muscles(HeartShapes& heart) {
   const double r = heart.sizes.lv_radius_mm, h = heart.sizes.lv_length_mm, k = heart.scale;
   const auto at = [&](double angle_deg, double radius, double height) {
     const double a = angle_deg * 3.14159265358979323846 / 180;
-    return heart.center + transposed(heart.local) * Vec3{radius * std::cos(a), radius * std::sin(a), height};
+    return heart.center + transposed(heart.local) * Vec3{radius * math::cos(a), radius * math::sin(a), height};
   };
   for (const double angle : {150.0, 262.0}) {  // anterolateral, posteromedial
     const std::vector<CurvePoint> muscle = {{at(angle, 0.80 * r, -0.58 * h), 4.6 * k},

@@ -1,5 +1,7 @@
 #include "datasets/phantom/heart_shapes.hpp"
 
+#include "model/mathematics.hpp"
+
 namespace heart::datasets {
 namespace {
 
@@ -30,9 +32,10 @@ double ridge_fade(double z, double length_mm) { return smooth_step(0.3 * length_
 
 /// Muscle ridges along the long axis: 0 in the grooves, 1 on the crests; fading towards the base.
 double ridges(const Vec3& l, double count, double length_mm) {
-  const double angle = std::atan2(l.y, l.x);
-  const double twist = 1.3 * std::sin(l.z / (0.16 * length_mm)) + 0.8 * std::sin(2 * angle + l.z / (0.11 * length_mm));
-  const double wave = 0.5 + 0.5 * std::cos(count * angle + twist);
+  const double angle = math::atan2(l.y, l.x);
+  const double twist =
+      1.3 * math::sin(l.z / (0.16 * length_mm)) + 0.8 * math::sin(2 * angle + l.z / (0.11 * length_mm));
+  const double wave = 0.5 + 0.5 * math::cos(count * angle + twist);
   const double room =
       smooth_step(4, 15, std::sqrt(l.x * l.x + l.y * l.y));  // no ridges where they would crowd together
   return wave * wave * room * ridge_fade(l.z, length_mm);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -59,9 +60,9 @@ std::vector<float> gaussian_weights(double sigma_voxels) {
   const int radius = static_cast<int>(std::ceil(3 * sigma_voxels));
   std::vector<float> weights;
   double sum = 0;
-  for (int i = -radius; i <= radius; ++i) sum += std::exp(-0.5 * i * i / (sigma_voxels * sigma_voxels));
+  for (int i = -radius; i <= radius; ++i) sum += math::exp(-0.5 * i * i / (sigma_voxels * sigma_voxels));
   for (int i = -radius; i <= radius; ++i)
-    weights.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma_voxels * sigma_voxels)) / sum));
+    weights.push_back(static_cast<float>(math::exp(-0.5 * i * i / (sigma_voxels * sigma_voxels)) / sum));
   return weights;
 }
 

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "datasets/phantom/phantom.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -28,9 +29,9 @@ struct AtlasNode {
 
 Vec3 left_point(double angle, double share, double depth) {
   const double radius = lv_radius + lv_wall * depth, length = lv_length + lv_apex_wall * depth;
-  const double polar = std::acos(-base_height / length) * share;
-  const double r = radius * std::sin(polar);
-  return {r * std::cos(angle), r * std::sin(angle), -length * std::cos(polar)};
+  const double polar = math::acos(-base_height / length) * share;
+  const double r = radius * math::sin(polar);
+  return {r * math::cos(angle), r * math::sin(angle), -length * math::cos(polar)};
 }
 
 /// How far a sheet of the right ventricle stands off the left one's outer surface; 0 outside its rim.
@@ -49,7 +50,7 @@ bool is_attached(double angle, double share, double depth) {
 
 Vec3 right_point(double angle, double share, double depth) {
   const double offset = full_offset(angle, share, depth);
-  return left_point(angle, share, 1) + Vec3{offset * std::cos(0.8 * angle), offset * std::sin(0.8 * angle), 0};
+  return left_point(angle, share, 1) + Vec3{offset * math::cos(0.8 * angle), offset * math::sin(0.8 * angle), 0};
 }
 
 /// Depth of the sheet whose rim passes through a point of the attachment: 0 at the cavity's edge, 1 at the outer one.
@@ -88,7 +89,7 @@ struct AtlasBuilder {
       const double helix = pi / 3 * (1 - 2 * node.depth);
       const Vec3 along = cross(node.outward, node.around);
       mesh.nodes_mm.push_back(node.at);
-      mesh.node_fibers.fiber.push_back(std::cos(helix) * node.around + std::sin(helix) * along);
+      mesh.node_fibers.fiber.push_back(math::cos(helix) * node.around + math::sin(helix) * along);
       mesh.node_fibers.sheet.push_back(node.outward);
     }
     return entry->second;

@@ -1,7 +1,7 @@
-#include <cmath>
 
 #include "datasets/phantom/companions.hpp"
 #include "datasets/phantom/image.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::datasets {
 namespace {
@@ -37,7 +37,7 @@ void shade(Volume<float>& image) {
       for (std::int64_t i = 0; i < size[0]; ++i) {
         const double x = static_cast<double>(i) / static_cast<double>(size[0]);
         const double y = static_cast<double>(j) / static_cast<double>(size[1]);
-        image(i, j, k) *= static_cast<float>(1 + 0.07 * std::cos(5 * x + 1) + 0.05 * std::cos(4 * y));
+        image(i, j, k) *= static_cast<float>(1 + 0.07 * math::cos(5 * x + 1) + 0.05 * math::cos(4 * y));
       }
 }
 

@@ -5,7 +5,8 @@
 #include <itkScalarChanAndVeseDenseLevelSetImageFilter.h>
 
 #include <algorithm>
-#include <cmath>
+
+#include "model/mathematics.hpp"
 
 namespace heart::adapters {
 namespace {
@@ -37,7 +38,7 @@ Volume<float> ball(const Grid& grid) {
     for (std::int64_t j = 0; j < grid.size[1]; ++j)
       for (std::int64_t i = 0; i < grid.size[0]; ++i)
         result(i, j, k) =
-            static_cast<float>(std::hypot(from_middle(i, 0), from_middle(j, 1), from_middle(k, 2)) - radius);
+            static_cast<float>(math::hypot(from_middle(i, 0), from_middle(j, 1), from_middle(k, 2)) - radius);
   return result;
 }
 

@@ -22,6 +22,7 @@
 #include "generator/study/study.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 #include "model/text.hpp"
 #include "validation/contour_fit.hpp"
 
@@ -89,7 +90,7 @@ std::vector<int> variant_list(const std::string& text) {
 }
 
 double angle_between_deg(const Vec3& a, const Vec3& b) {
-  return std::acos(std::clamp(dot(normalized(a), normalized(b)), -1.0, 1.0)) * 180 / std::numbers::pi;
+  return math::acos(std::clamp(dot(normalized(a), normalized(b)), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
 void compare_landmarks(const datasets::Phantom& phantom, const landmarks::FoundLandmarks& found, Case& result) {

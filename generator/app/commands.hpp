@@ -78,4 +78,11 @@ struct PhantomCommand {
 };
 int phantom_command(const PhantomCommand& command);
 
+struct SelftestCommand {
+  bool list = false;  ///< print the hashes that the program shall expect from now on
+  bool json = false;
+};
+/// @collective
+int selftest_command(const SelftestCommand& command, const parallel::Comm& comm);
+
 }  // namespace heart::app

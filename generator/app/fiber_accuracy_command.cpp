@@ -19,6 +19,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::app {
 namespace {
@@ -46,7 +47,7 @@ Mat3 turned_about(const Vec3& unit, double angle_deg) {
     Vec3 column;
     column[axis] = 1;
     const Vec3 along = dot(column, unit) * unit;
-    const Vec3 turned = along + std::cos(angle) * (column - along) + std::sin(angle) * cross(unit, column);
+    const Vec3 turned = along + math::cos(angle) * (column - along) + math::sin(angle) * cross(unit, column);
     for (int row = 0; row < 3; ++row) rotation[row][axis] = turned[row];
   }
   return rotation;
@@ -151,7 +152,7 @@ Errors errors_of(const KnownAxes& known, const std::vector<atlas::AxisTensor>& c
     ++places;
     if (trace(carried[n]) <= 0) continue;
     const double cosine = std::abs(dot(known.axis[n], atlas::leading_axis(carried[n])));
-    angles_deg.push_back(std::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi);
+    angles_deg.push_back(math::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi);
   }
   if (angles_deg.empty()) return {places, 0, 0, 0};
   double sum = 0;

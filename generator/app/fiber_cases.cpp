@@ -14,6 +14,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::app {
 namespace {
@@ -85,7 +86,7 @@ void cut_labels(FiberCase& heart, double below_mm, double tilt_deg) {
   const Vec3 up = datasets::long_axis(heart.model);
   const Vec3 side = normalized(cross(up, Vec3{0, 0, 1}));
   const double tilt = tilt_deg * std::numbers::pi / 180;
-  const Vec3 normal = std::cos(tilt) * up + std::sin(tilt) * side;
+  const Vec3 normal = math::cos(tilt) * up + math::sin(tilt) * side;
   const Vec3 point = heart.landmarks.valves.at("mitral").center_mm - below_mm * up;
   for (std::size_t v = 0; v < heart.labels.voxels.size(); ++v) {
     auto& label = heart.labels.voxels[v];

@@ -5,10 +5,12 @@
 #include <malloc.h>
 #endif
 
+#include <algorithm>
 #include <clocale>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <thread>
@@ -16,6 +18,7 @@
 #include "generator/app/options.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/app/watch.hpp"
+#include "generator/parallel/simd.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/text.hpp"
@@ -39,6 +42,18 @@ std::unique_ptr<Watch> watch_over(const Program& p) {
   });
 }
 
+void choose_simd(const std::string& name) {
+  using parallel::Simd;
+  constexpr std::pair<const char*, Simd> levels[]{
+      {"plain", Simd::plain}, {"avx2", Simd::avx2}, {"avx512", Simd::avx512}};
+  const auto* const found =
+      std::find_if(std::begin(levels), std::end(levels), [&](auto& level) { return level.first == name; });
+  if (found == std::end(levels)) throw UserError("unknown \"" + name + "\"", "--simd", "give plain, avx2 or avx512");
+  if (parallel::set_simd_level(found->second) != found->second)
+    throw UserError(fmt::format("this processor has no {}", parallel::name_of(found->second)), "--simd",
+                    "leave it out: the results are the same");
+}
+
 int run(Program& p) {
   if (p.threads < 0) throw UserError("must be positive", "--threads", "give the number of threads");
   const auto most_threads = static_cast<int>(threads_per_processor * std::max(1U, std::thread::hardware_concurrency()));
@@ -46,6 +61,7 @@ int run(Program& p) {
     throw UserError(fmt::format("{} threads would wait for each other", p.threads), "--threads",
                     fmt::format("give at most {} on this machine, or 0 for one per processor", most_threads));
   if (p.threads > 0) parallel::set_thread_count(p.threads);
+  if (!p.simd.empty()) choose_simd(p.simd);
   if (!p.size.empty()) p.phantom.size = p.accuracy.size = p.bench.size = {p.size[0], p.size[1], p.size[2]};
   if (!p.spacing.empty())
     p.phantom.spacing_mm = p.accuracy.spacing_mm = p.bench.spacing_mm = {p.spacing[0], p.spacing[1], p.spacing[2]};
@@ -95,6 +111,9 @@ int command_line(int argc, char** argv) {
   p.app.set_version_flag("--version", program_version());
   p.app.require_subcommand(1);
   p.app.add_option("--threads", p.threads, "threads per process (default: all)");
+  p.app.add_option(
+      "--simd", p.simd,
+      "vector instructions at most: plain, avx2 or avx512 (default: the processor's best; the same results)");
   p.app.fallthrough();
   add_bundle_options(p);
   add_tool_options(p);

@@ -83,6 +83,15 @@ void add_study(Program& p) {
   sub->add_flag("--json", p.study.json, "print tables and statements as JSON");
 }
 
+void add_selftest(Program& p) {
+  auto* selftest = subcommand(p, "selftest",
+                              "Build a small built-in heart and compare its content id with the expected one (exit 3: "
+                              "this machine computes other bits)",
+                              "heartgen selftest", [&p] { return selftest_command(p.selftest, p.comm); });
+  selftest->add_flag("--list", p.selftest.list, "print id and SHA-256 of every file instead");
+  selftest->add_flag("--json", p.selftest.json, "print as JSON");
+}
+
 }  // namespace
 
 void add_measure_options(Program& p) {
@@ -90,6 +99,7 @@ void add_measure_options(Program& p) {
   add_fiber_accuracy(p);
   add_bench(p);
   add_study(p);
+  add_selftest(p);
 }
 
 }  // namespace heart::app

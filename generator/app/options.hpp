@@ -25,6 +25,7 @@ struct Program {
   parallel::Comm comm;
   std::function<int()> chosen{};  // what the parsed subcommand does
   int threads = 0;
+  std::string simd;
 
   BuildCommand build{};
   ValidateCommand validate{};
@@ -39,6 +40,7 @@ struct Program {
   PlaceCommand place{};
   SliceCommand slice{};
   PhantomCommand phantom{};
+  SelftestCommand selftest{};
   ContoursCommand contours{};
   AccuracyCommand accuracy{};
   FiberAccuracyCommand fiber_accuracy{};

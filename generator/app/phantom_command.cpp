@@ -10,6 +10,7 @@
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/app/commands.hpp"
+#include "generator/app/phantom_files.hpp"
 #include "model/error.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
@@ -80,6 +81,16 @@ void require_own(const fs::path& recipe) {
 
 }  // namespace
 
+void write_phantom(const fs::path& folder, const datasets::PhantomSettings& settings) {
+  const datasets::Phantom phantom = datasets::make_phantom(settings);
+  write_truth(folder / "truth", phantom);
+  write_companions(folder, phantom);
+  write_text(folder / "landmarks.json", write_landmarks(visible_landmarks(phantom)));
+  adapters::write_unstructured(folder / "atlas.vtk", atlas_file(datasets::make_standin_atlas()));
+  write_text(folder / "recipe.toml", recipe_text(settings.variant));
+  adapters::write_volume((folder / "ct.nii.gz").string(), phantom.ct);
+}
+
 int phantom_command(const PhantomCommand& command) {
   datasets::PhantomSettings settings;
   settings.size = command.size;
@@ -90,13 +101,7 @@ int phantom_command(const PhantomCommand& command) {
   const fs::path folder = command.folder, recipe = folder / "recipe.toml";
   check_output(recipe);
   require_own(recipe);
-  const datasets::Phantom phantom = datasets::make_phantom(settings);
-  write_truth(folder / "truth", phantom);
-  write_companions(folder, phantom);
-  write_text(folder / "landmarks.json", write_landmarks(visible_landmarks(phantom)));
-  adapters::write_unstructured(folder / "atlas.vtk", atlas_file(datasets::make_standin_atlas()));
-  write_text(recipe, recipe_text(command.variant));
-  adapters::write_volume((folder / "ct.nii.gz").string(), phantom.ct);
+  write_phantom(folder, settings);
   if (command.json)
     fmt::print("{}\n", nlohmann::ordered_json{{"folder", folder.string()}, {"recipe", recipe.string()}}.dump(1));
   else

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <set>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "generator/mesh/mesh_heart.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 #include "validation/fiber_checks.hpp"
 
 namespace heart::app {
@@ -35,7 +35,7 @@ template <class Choice>
 double least_bytes(const LabelVolume& labels, double edge_mm, Choice counts) {
   constexpr double volume_per_edge3 = 0.12, bytes_per_cell = 200;
   const auto voxels = std::count_if(labels.voxels.begin(), labels.voxels.end(), counts);
-  return static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / (volume_per_edge3 * std::pow(edge_mm, 3)) *
+  return static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / (volume_per_edge3 * math::pow(edge_mm, 3)) *
          bytes_per_cell;
 }
 
@@ -74,9 +74,9 @@ double estimate_bytes(const LabelVolume& labels, double edge_mm) {
   const double wall_mm3 = walls * h.x * h.y * h.z, blood_mm3 = blood * h.x * h.y * h.z;
   // The blood's cells grow from the walls' on: those near count like an area over the square of the edge.
   constexpr double cells_per_square = 25, bytes_per_cell = 900;
-  const double area_mm2 = 4 * std::pow(wall_mm3 + blood_mm3, 2.0 / 3);
+  const double area_mm2 = 4 * math::pow(wall_mm3 + blood_mm3, 2.0 / 3);
   const double cells =
-      lattice::cells_per_cube * wall_mm3 / std::pow(edge_mm, 3) + cells_per_square * area_mm2 / std::pow(edge_mm, 2);
+      lattice::cells_per_cube * wall_mm3 / math::pow(edge_mm, 3) + cells_per_square * area_mm2 / math::pow(edge_mm, 2);
   return bytes_per_cell * cells;
 }
 

@@ -11,6 +11,7 @@
 #include "generator/app/image_stages.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::app {
 namespace {
@@ -38,14 +39,14 @@ adapters::AffineMap map_of(const std::vector<double>& numbers) {
 /// A rigid map's is 1 to the last bit: a grid's spacing stays what it is.
 double scale_of(const adapters::AffineMap& map) {
   constexpr double rounding = 1e-9;
-  const double scale = std::cbrt(determinant(map.matrix));
+  const double scale = math::cbrt(determinant(map.matrix));
   return std::abs(scale - 1) < rounding ? 1 : scale;
 }
 
 /// The matrix of a pose is a rotation times one scale.
 bool is_similarity(const adapters::AffineMap& map) {
   constexpr double tolerance = 1e-6;
-  const double scale = std::cbrt(determinant(map.matrix));
+  const double scale = math::cbrt(determinant(map.matrix));
   if (!(scale > 0.2 && scale < 5)) return false;
   const Mat3 square = map.matrix * transposed(map.matrix);
   for (int i = 0; i < 3; ++i)

@@ -12,6 +12,7 @@
 #include "generator/atlas/ventricles.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 #include "model/voxels_in_cell.hpp"
 
@@ -156,19 +157,19 @@ Vec3 best_of(const Mask& wall, const std::vector<Vec3>& candidates, double spaci
 /// The direction across whose slices the walls enclose most: that of the opening at the base. Sign arbitrary.
 Vec3 opening_direction(const Mask& wall, double spacing_mm) {
   constexpr int directions = 160;
-  const double golden = std::acos(-1.0) * (3 - std::sqrt(5.0));
+  const double golden = math::acos(-1.0) * (3 - std::sqrt(5.0));
   std::vector<Vec3> candidates;
   for (int n = 0; n < directions; ++n) {
     const double z = (n + 0.5) / directions, r = std::sqrt(1 - z * z);
-    candidates.push_back({r * std::cos(golden * n), r * std::sin(golden * n), z});
+    candidates.push_back({r * math::cos(golden * n), r * math::sin(golden * n), z});
   }
   Vec3 best = best_of(wall, candidates, spacing_mm);
   for (const double step : {0.10, 0.05, 0.025}) {
     const Mat3 frame = rotation_to_z(best);
     candidates.assign(1, best);
     for (int n = 0; n < 8; ++n) {
-      const double angle = n * std::acos(-1.0) / 4;
-      candidates.push_back(normalized(best + step * (std::cos(angle) * frame[0] + std::sin(angle) * frame[1])));
+      const double angle = n * math::acos(-1.0) / 4;
+      candidates.push_back(normalized(best + step * (math::cos(angle) * frame[0] + math::sin(angle) * frame[1])));
     }
     best = best_of(wall, candidates, spacing_mm);
   }

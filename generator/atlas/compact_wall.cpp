@@ -8,6 +8,7 @@
 
 #include "generator/atlas/point_tree.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::atlas {
@@ -96,7 +97,7 @@ Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, con
     Row right = Row::Zero();
     for (const Observation& o : observations) {
       const double above = (o.thickness_mm - fit.dot(o.row)) / ridge_mm;
-      const double weight = o.nearness * (above > 0 ? std::exp(-0.5 * above * above) + least_weight : 1);
+      const double weight = o.nearness * (above > 0 ? math::exp(-0.5 * above * above) + least_weight : 1);
       normal.noalias() += weight * o.row * o.row.transpose();
       right += weight * o.thickness_mm * o.row;
     }
@@ -224,7 +225,7 @@ std::optional<CompactWall::Thickness> CompactWall::at(const Vec3& point_mm) cons
   Thickness sum;
   double total = 0;
   for (std::size_t n = 0; n < found; ++n) {
-    const double weight = std::exp(-0.5 * (squared[n] - squared[0]) / (width_mm * width_mm));
+    const double weight = math::exp(-0.5 * (squared[n] - squared[0]) / (width_mm * width_mm));
     sum.mm += weight * index_->fits[nearest[n]].value;
     sum.gradient += weight * index_->fits[nearest[n]].slope;
     total += weight;

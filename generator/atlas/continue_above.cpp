@@ -8,6 +8,7 @@
 #include "generator/atlas/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/crop.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -52,7 +53,7 @@ struct Below {
 Below below(const Plane& plane, const Vec3& axis, const Vec3& point_mm, double near_mm) {
   const double height = -depth_below_mm(plane, point_mm), rise = dot(axis, plane.normal);
   const auto at = [&](double depth_mm) { return point_mm + ((height + depth_mm) / rise) * axis; };
-  return {at(near_mm), at(near_mm + lever_mm), straightened_mm * (1 - std::exp(-height / straightened_mm)) / lever_mm};
+  return {at(near_mm), at(near_mm + lever_mm), straightened_mm * (1 - math::exp(-height / straightened_mm)) / lever_mm};
 }
 
 /// Gives each voxel above the plane to the part whose distance, continued linearly from below, is the least.

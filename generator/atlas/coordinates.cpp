@@ -15,6 +15,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/corners.hpp"
 #include "model/crop.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::atlas {
@@ -427,7 +428,7 @@ std::optional<WallPoint> wall_point(const WallCoordinates& c, const HeartFrame& 
 double helix_angle_deg(const WallPoint& at, const Vec3& axis) {
   // Up the wall is -longitudinal, counter-clockwise seen from the base is -circumferential.
   const double up = dot(axis, at.longitudinal), around = dot(axis, at.circumferential);
-  const double angle = std::atan2(up, around) * 180 / std::acos(-1.0);
+  const double angle = math::atan2(up, around) * 180 / math::acos(-1.0);
   return angle > 90 ? angle - 180 : angle <= -90 ? angle + 180 : angle;
 }
 

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "generator/parallel/simd.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/parallel/vector_clones.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -116,7 +117,7 @@ void squared_distance_lane(const float* f, float* d, std::int64_t length, Envelo
 
 /// The same for all lanes at once where all values are small, as inside a body: the least of f(q) + (p - q)^2, sought
 /// from p outwards as far as a lane can still gain. `in` and `out` as in for_each_bundle.
-HEART_VECTOR_CLONES void near_squared_distance_bundle(const float* in, float* out, std::int64_t length) {
+HEART_INLINE void near_squared_distance_bundle(const float* in, float* out, std::int64_t length) {
   for (std::int64_t p = 0; p < length; ++p) {
     float least[lanes];
     for (std::int64_t lane = 0; lane < lanes; ++lane) least[lane] = in[p * lanes + lane];
@@ -140,7 +141,7 @@ void squared_distance_bundle(const std::vector<float>& in, std::vector<float>& o
   constexpr float near = 32 * 32;  // as far as looking around is quicker than an envelope
   thread_local Envelope envelope;
   if (*std::max_element(in.begin(), in.end()) <= near)
-    return near_squared_distance_bundle(in.data(), out.data(), length);
+    return parallel::vectorised<near_squared_distance_bundle>(in.data(), out.data(), length);
   for (std::int64_t lane = 0; lane < lanes; ++lane)
     squared_distance_lane(in.data() + lane, out.data() + lane, length, envelope);
 }
@@ -168,7 +169,7 @@ std::vector<float> gaussian_weights(double sigma) {
   std::vector<double> weights(static_cast<std::size_t>(radius) + 1);
   double sum = 0;
   for (int i = 0; i <= radius; ++i) {
-    weights[static_cast<std::size_t>(i)] = std::exp(-0.5 * i * i / (sigma * sigma));
+    weights[static_cast<std::size_t>(i)] = math::exp(-0.5 * i * i / (sigma * sigma));
     sum += (i ? 2 : 1) * weights[static_cast<std::size_t>(i)];
   }
   std::vector<float> shares(weights.size());
@@ -177,8 +178,8 @@ std::vector<float> gaussian_weights(double sigma) {
 }
 
 /// Weighted sums around the values of each lane, whose borders are continued; `in` and `out` as in for_each_bundle.
-HEART_VECTOR_CLONES void smooth_bundle(const float* weights, std::int64_t radius, const float* in, float* out,
-                                       std::int64_t length) {
+HEART_INLINE void smooth_bundle(const float* weights, std::int64_t radius, const float* in, float* out,
+                                std::int64_t length) {
   for (std::int64_t p = 0; p < length; ++p) {
     float sum[lanes];
     for (std::int64_t lane = 0; lane < lanes; ++lane) sum[lane] = weights[0] * in[p * lanes + lane];
@@ -214,7 +215,8 @@ Volume<float> smoothed(const Volume<float>& volume, const Vec3& sigma_voxels) {
     if (sigma_voxels[axis] <= 0) continue;
     const auto weights = gaussian_weights(sigma_voxels[axis]);
     for_each_bundle(result, axis, [&](const std::vector<float>& in, std::vector<float>& out, std::int64_t length) {
-      smooth_bundle(weights.data(), static_cast<std::int64_t>(weights.size()) - 1, in.data(), out.data(), length);
+      parallel::vectorised<smooth_bundle>(weights.data(), static_cast<std::int64_t>(weights.size()) - 1, in.data(),
+                                          out.data(), length);
     });
   }
   return result;

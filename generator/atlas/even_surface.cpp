@@ -9,6 +9,7 @@
 
 #include "generator/atlas/distance_map.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::atlas {
@@ -57,7 +58,7 @@ double noise_mm(const Volume<float>& detail_mm, const std::vector<std::size_t>& 
 
 /// What `unbiased` smoothing leaves of a sine wave; its frequency as waves per standard deviation.
 double left_of_wave(double waves) {
-  const double once = std::exp(-2 * std::numbers::pi * std::numbers::pi * waves * waves);
+  const double once = math::exp(-2 * std::numbers::pi * std::numbers::pi * waves * waves);
   return 2 * once - once * once;
 }
 

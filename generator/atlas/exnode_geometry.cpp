@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::atlas::exnode {
 namespace {
@@ -95,9 +96,9 @@ Place place_of(const ElementKind& kind, const std::array<Jet, 3>& c) {
     for (std::size_t a = 0; a < 3; ++a) place.slope[a] = {c[0].slope[a], c[1].slope[a], c[2].slope[a]};
     return place;
   }
-  const double f = kind.focus, ch = std::cosh(c[0].value), sh = std::sinh(c[0].value);
-  const double cm = std::cos(c[1].value), sm = std::sin(c[1].value);
-  const double ct = std::cos(c[2].value), st = std::sin(c[2].value);
+  const double f = kind.focus, ch = math::cosh(c[0].value), sh = math::sinh(c[0].value);
+  const double cm = math::cos(c[1].value), sm = math::sin(c[1].value);
+  const double ct = math::cos(c[2].value), st = math::sin(c[2].value);
   place.position = f * Vec3{ch * cm, sh * sm * ct, sh * sm * st};
   for (std::size_t a = 0; a < 3; ++a)
     place.slope[a] = (f * c[0].slope[a]) * Vec3{sh * cm, ch * sm * ct, ch * sm * st} +
@@ -109,8 +110,8 @@ Place place_of(const ElementKind& kind, const std::array<Jet, 3>& c) {
 /// Zero where the element is collapsed.
 Vec3 fiber_of(const Place& place, double fiber_angle, double imbrication_angle) {
   const Vec3 along = normalized(place.slope[0]), normal = normalized(cross(along, place.slope[1]));
-  const Vec3 fiber = std::cos(fiber_angle) * along + std::sin(fiber_angle) * cross(normal, along);
-  return normal == Vec3{} ? Vec3{} : std::cos(imbrication_angle) * fiber + std::sin(imbrication_angle) * normal;
+  const Vec3 fiber = math::cos(fiber_angle) * along + math::sin(fiber_angle) * cross(normal, along);
+  return normal == Vec3{} ? Vec3{} : math::cos(imbrication_angle) * fiber + math::sin(imbrication_angle) * normal;
 }
 
 }  // namespace

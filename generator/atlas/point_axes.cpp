@@ -5,6 +5,7 @@
 
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -35,14 +36,14 @@ void for_each(std::size_t count, const At& at) {
 Vec3 turn_between(const Vec3& from, const Vec3& to) {
   const Vec3 about = cross(from, to);
   const double cosine = dot(from, to);
-  return std::atan2(norm(about), std::abs(cosine)) * normalized(cosine < 0 ? -about : about);
+  return math::atan2(norm(about), std::abs(cosine)) * normalized(cosine < 0 ? -about : about);
 }
 
 /// A vector turned about `turn` by its length.
 Vec3 turned(const Vec3& v, const Vec3& turn) {
   const double angle = norm(turn);
   const Vec3 about = normalized(turn);
-  return std::cos(angle) * v + std::sin(angle) * cross(about, v) + ((1 - std::cos(angle)) * dot(about, v)) * about;
+  return math::cos(angle) * v + math::sin(angle) * cross(about, v) + ((1 - math::cos(angle)) * dot(about, v)) * about;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "generator/atlas/distance_map.hpp"
 #include "generator/atlas/resample.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -111,7 +112,7 @@ adapters::PoseFit fit_cut_pose(const Ventricles& patient, const Ventricles& atla
 }  // namespace
 
 AffineMap pose_from_frames(const Ventricles& patient, const Ventricles& atlas) {
-  const double scale = std::cbrt(hull_volume_mm3(cut_at_base(atlas)) / hull_volume_mm3(cut_at_base(patient)));
+  const double scale = math::cbrt(hull_volume_mm3(cut_at_base(atlas)) / hull_volume_mm3(cut_at_base(patient)));
   AffineMap map;
   map.matrix = columns_of(atlas.frame) * transposed(columns_of(patient.frame));
   for (auto& row : map.matrix.rows) row *= scale;

@@ -2,9 +2,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 
 #include "generator/atlas/point_tree.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::atlas {
 namespace {
@@ -42,7 +42,7 @@ std::optional<QuadraticFit> QuadraticContinuation::operator()(const Vec3& point_
     const Vec3 d = (index_->cloud.points[n] - point_mm) / scale_mm;
     Row row;
     row << 1, d.x, d.y, d.z, d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z;
-    const double weight = std::exp(-0.5 * (squared - nearest) / (width_mm * width_mm));
+    const double weight = math::exp(-0.5 * (squared - nearest) / (width_mm * width_mm));
     const Row weighted = weight * row;
     for (int c = 0; c < 10; ++c)  // its lower half is all that is read
       for (int r = c; r < 10; ++r) normal(r, c) += weighted(c) * row(r);

@@ -18,6 +18,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::atlas {
@@ -316,7 +317,7 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   const bool atria = has_atria(labels);
   const Vec3& voxel = labels.grid.spacing_mm;
   Ventricles result;
-  result.label_spacing_mm = std::cbrt(voxel.x * voxel.y * voxel.z);
+  result.label_spacing_mm = math::cbrt(voxel.x * voxel.y * voxel.z);
   for (int axis = 0; axis < 3; ++axis) {
     Vec3 step;
     step[axis] = voxel[axis];

@@ -12,6 +12,7 @@
 #include "generator/contours/snake.hpp"
 #include "generator/contours/subjective_surface.hpp"
 #include "generator/segment/components.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::contours {
 namespace {
@@ -30,9 +31,9 @@ double coverage(const BrokenCircle& c, double x, double y) {
   for (const double dy : {-0.375, -0.125, 0.125, 0.375})
     for (const double dx : {-0.375, -0.125, 0.125, 0.375}) {
       const double px = x + dx, py = y + dy;
-      const double turn = std::atan2(px, py) / (2 * std::numbers::pi) * c.gaps;  // one per gap, 0 at its middle
+      const double turn = math::atan2(px, py) / (2 * std::numbers::pi) * c.gaps;  // one per gap, 0 at its middle
       const bool gap = c.gaps > 0 && std::abs(turn - std::round(turn)) < c.gap_deg / 720 * c.gaps;
-      hits += !gap && std::abs(std::hypot(px, py) - c.radius_mm) < c.width_mm / 2;
+      hits += !gap && std::abs(math::hypot(px, py) - c.radius_mm) < c.width_mm / 2;
     }
   return hits / 16.0;
 }
@@ -57,7 +58,7 @@ void measure(const BrokenCircle& c, Closing& closing) {
     double r = 0;
     for (int step = 0; step < 5 * c.size; ++step) {
       const double s = 0.1 * step;
-      if (sample_linear(soft, {middle.x + s * std::sin(angle), middle.y + s * std::cos(angle), 0}) >= 0.5) r = s;
+      if (sample_linear(soft, {middle.x + s * math::sin(angle), middle.y + s * math::cos(angle), 0}) >= 0.5) r = s;
     }
     nearest = std::min(nearest, r);
     farthest = std::max(farthest, r);
@@ -131,7 +132,7 @@ Volume<float> draw(const BrokenCircle& c) {
   return image;
 }
 
-double closed_within_mm(const BrokenCircle& c) { return c.radius_mm * std::sin(c.gap_deg * std::numbers::pi / 360); }
+double closed_within_mm(const BrokenCircle& c) { return c.radius_mm * math::sin(c.gap_deg * std::numbers::pi / 360); }
 
 std::vector<Closing> close_broken_circle(const BrokenCircle& c) {
   const Volume<float> image = draw(c);

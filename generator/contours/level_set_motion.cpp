@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "generator/contours/spacing.hpp"
-#include "generator/segment/simd.hpp"
+#include "generator/segment/row_loops.hpp"
 
 namespace heart::contours {
 namespace {

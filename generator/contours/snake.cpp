@@ -7,6 +7,7 @@
 #include "generator/contours/cyclic_pentadiagonal.hpp"
 #include "generator/contours/spacing.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::contours {
 namespace {
@@ -19,7 +20,7 @@ Point2 operator-(const Point2& a, const Point2& b) { return {a.x - b.x, a.y - b.
 Point2 operator*(double s, const Point2& a) { return {s * a.x, s * a.y}; }
 double cross(const Point2& a, const Point2& b) { return a.x * b.y - a.y * b.x; }
 double dot(const Point2& a, const Point2& b) { return a.x * b.x + a.y * b.y; }
-double norm(const Point2& a) { return std::hypot(a.x, a.y); }
+double norm(const Point2& a) { return math::hypot(a.x, a.y); }
 
 void check(const Curve& start, const Volume<float>& h, const SnakeSettings& s) {
   if (h.grid.size[2] != 1 || h.grid.size[0] < 3 || h.grid.size[1] < 3)
@@ -68,7 +69,7 @@ double step_for(const SnakeSettings& s, double pixel) {
   double step = 1e30;
   if (bend > 0) step = std::min(step, 0.25 * pixel * pixel / bend);
   if (s.balloon != 0) step = std::min(step, 0.25 * pixel / std::abs(s.balloon));
-  if (s.rigidity_mm3 > 0 && bend == 0) step = std::min(step, 0.25 * std::pow(pixel, 4) / s.rigidity_mm3);
+  if (s.rigidity_mm3 > 0 && bend == 0) step = std::min(step, 0.25 * math::pow(pixel, 4) / s.rigidity_mm3);
   return step < 1e30 ? step : 1;
 }
 
@@ -144,7 +145,7 @@ Curve circle(const Point2& center_mm, double radius_mm, int points) {
   Curve curve;
   for (int i = 0; i < points; ++i) {
     const double angle = 2 * std::numbers::pi * i / points;
-    curve.push_back(center_mm + radius_mm * Point2{std::cos(angle), std::sin(angle)});
+    curve.push_back(center_mm + radius_mm * Point2{math::cos(angle), math::sin(angle)});
   }
   return curve;
 }

@@ -1,10 +1,10 @@
 #include "generator/distmesh/balance_curves.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "generator/lattice/feature.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::distmesh {
 namespace {
@@ -42,7 +42,7 @@ double worst_around(const Triangles& mesh, std::int32_t node) {
 }  // namespace
 
 void balance_curves(Triangles& mesh, const Materials& materials, double least_deg) {
-  const double least = std::sin(least_deg * std::numbers::pi / 180);
+  const double least = math::sin(least_deg * std::numbers::pi / 180);
   std::vector<Vec3> shift(mesh.nodes_mm.size());
   for (std::size_t n = 0; n < shift.size(); ++n) {
     const LabelBits bits = mesh.touches[n];

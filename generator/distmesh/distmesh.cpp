@@ -10,6 +10,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::distmesh {
 namespace {
@@ -77,7 +78,7 @@ double fill_factor(const Nodes& nodes, const Bars& bars, Dimension dimension) {
     lengths += d == 2 ? l * l : l * l * l;
     wanted += d == 2 ? w * w : w * w * w;
   }
-  return std::pow(lengths / wanted, 1.0 / d);
+  return math::pow(lengths / wanted, 1.0 / d);
 }
 
 std::vector<Vec3> forces_on(const Nodes& nodes, const Bars& bars, const Problem& problem) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "generator/lattice/feature.hpp"
+#include "model/mathematics.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heart::distmesh {
@@ -118,7 +119,7 @@ struct Improver {
       Vec3 center = kept;
       for (int i = 0; i < directions; ++i) {
         const double angle = 2 * std::numbers::pi * i / directions;
-        Vec3 target = center + reach * Vec3{std::cos(angle), std::sin(angle), 0};
+        Vec3 target = center + reach * Vec3{math::cos(angle), math::sin(angle), 0};
         now = center;
         if (!settle(n, target)) continue;
         now = target;
@@ -392,7 +393,7 @@ std::vector<std::int32_t> bad_triangles(const Triangles& mesh, double goal) {
 }  // namespace
 
 std::int64_t improve_triangles(Triangles& mesh, const Materials& materials, const TriangleGoal& goal) {
-  Improver improver{mesh, materials, std::sin(goal.angle_deg * std::numbers::pi / 180), 0, goal.tip};
+  Improver improver{mesh, materials, math::sin(goal.angle_deg * std::numbers::pi / 180), 0, goal.tip};
   std::uint32_t noise = 1;
   auto bad = bad_triangles(mesh, improver.goal);
   for (int sweep = 0; sweep < goal.sweeps && !bad.empty(); ++sweep) {

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
+
+#include "model/mathematics.hpp"
 
 namespace heart::distmesh {
 namespace {
@@ -25,7 +26,7 @@ std::vector<Vec3> directions_in_plane() {
   std::vector<Vec3> directions;
   for (int i = 0; i < count; ++i) {
     const double angle = 2 * std::numbers::pi * i / count;
-    directions.push_back({std::cos(angle), std::sin(angle), 0});
+    directions.push_back({math::cos(angle), math::sin(angle), 0});
   }
   return directions;
 }

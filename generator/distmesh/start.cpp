@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "generator/lattice/octree.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::distmesh {
 namespace {
@@ -61,7 +62,7 @@ void add_class(Nodes& nodes, const Materials& materials, Dimension dimension, do
         const Vec3 p = lattice.at(i, j, k);
         const double edge = materials.edge_mm(p);
         if (edge < width || edge >= next_width) continue;
-        if (uniform(i, j, k, salt) >= std::pow(width / edge, static_cast<int>(dimension))) continue;
+        if (uniform(i, j, k, salt) >= math::pow(width / edge, static_cast<int>(dimension))) continue;
         const LabelBits bits = bits_at(materials, p);
         if (!is_wanted(materials, dimension, p, edge, bits)) continue;
         nodes.at_mm.push_back(p);
@@ -93,7 +94,7 @@ void add_start_nodes(Nodes& nodes, const Materials& materials, Dimension dimensi
   const Vec3 size = materials.box_max_mm - materials.box_min_mm;
   const double longest = dimension == Dimension::two ? std::max(size.x, size.y) : std::max({size.x, size.y, size.z});
   const auto width_mm = [&](std::int64_t number) {
-    return least_edge_mm * std::pow(2.0, 0.5 * static_cast<double>(number));
+    return least_edge_mm * math::pow(2.0, 0.5 * static_cast<double>(number));
   };
   for (std::int64_t number = 0; width_mm(number) < longest; ++number)
     add_class(nodes, materials, dimension, (number == 0 ? 0.999999 : 1) * width_mm(number), width_mm(number + 1),

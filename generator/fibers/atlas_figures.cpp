@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "model/mathematics.hpp"
 #include "model/mesh_edges.hpp"
 #include "model/quantile.hpp"
 
@@ -84,7 +85,7 @@ void add_carried(const Hearts& hearts, const CarriedAxes& c, bool left, AtlasFig
 }
 
 double angle_deg(const Vec3& f, const Vec3& g) {
-  return std::atan2(norm(cross(f, g)), std::abs(dot(f, g))) * 180 / std::numbers::pi;
+  return math::atan2(norm(cross(f, g)), std::abs(dot(f, g))) * 180 / std::numbers::pi;
 }
 
 double quantile_or_0(std::vector<double> values, double share) { return values.empty() ? 0 : quantile(values, share); }

@@ -23,6 +23,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -197,8 +198,8 @@ void compare_with_second(const Hearts& hearts, const PointWalls& walls, const st
   std::vector<double> angles_deg;
   for (std::size_t n = 0; n < points.size(); ++n)
     if (trace(second[n]) > 0)
-      angles_deg.push_back(std::acos(std::min(1.0, std::abs(dot(first[n], atlas::leading_axis(second[n]))))) * 180 /
-                           std::acos(-1.0));
+      angles_deg.push_back(math::acos(std::min(1.0, std::abs(dot(first[n], atlas::leading_axis(second[n]))))) * 180 /
+                           math::acos(-1.0));
   if (angles_deg.empty()) return;
   double sum = 0;
   for (const double a : angles_deg) sum += a;

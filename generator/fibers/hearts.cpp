@@ -14,6 +14,7 @@
 #include "generator/parallel/tasks.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -76,7 +77,7 @@ WallSamples wall_samples(const atlas::AtlasImage& image, Part wall, const Vec3& 
 
 double helix_of(const AxisTensor& local) {
   const Vec3 axis = atlas::leading_axis(local);
-  return std::atan2(axis.x < 0 ? -axis.y : axis.y, std::abs(axis.x)) * 180 / std::acos(-1.0);
+  return math::atan2(axis.x < 0 ? -axis.y : axis.y, std::abs(axis.x)) * 180 / math::acos(-1.0);
 }
 
 /// A heart's fibres climb from a right-handed helix inside to a left-handed one outside; a mirrored atlas's do not.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::fibers {
@@ -141,7 +142,7 @@ void observe(const AngleSamples& samples, const WallFeature& query, const std::v
       o.terms(static_cast<Eigen::Index>(slope) + 1) = feature[axis_of(slope)] - query[axis_of(slope)];
     o.dyad = Eigen::Map<const Dyad>(tensor.c.data());
     o.share = 1;
-    o.weight = trust(tensor) * std::exp(-0.5 * near[n].squared_distance / width2);
+    o.weight = trust(tensor) * math::exp(-0.5 * near[n].squared_distance / width2);
   }
 }
 

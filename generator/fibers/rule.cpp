@@ -8,6 +8,7 @@
 #include "generator/atlas/point_tree.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::fibers {
 namespace {
@@ -59,8 +60,8 @@ std::vector<float> differences_deg(const std::vector<Vec3>& cell_axes, const Rul
       const auto c = static_cast<std::size_t>(rule.cells[n]);
       const Vec3 &ours = cell_axes[c], &rules = rule.cell_axes[n].fiber;
       if (ours == Vec3{} || rules == Vec3{}) continue;
-      result[c] =
-          static_cast<float>(std::atan2(norm(cross(ours, rules)), std::abs(dot(ours, rules))) * 180 / std::numbers::pi);
+      result[c] = static_cast<float>(math::atan2(norm(cross(ours, rules)), std::abs(dot(ours, rules))) * 180 /
+                                     std::numbers::pi);
     }
   });
   return result;

@@ -9,6 +9,7 @@
 #include "generator/atlas/axis_tensor.hpp"
 #include "generator/fibers/harmonic.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heart::fibers {
@@ -143,8 +144,8 @@ SideAxes turned(const Vec3& outward, const Vec3& to_base, double helix_deg, doub
   if (norm(along) < least_tangent) return {};
   const Vec3 up = normalized(along), around = cross(up, n);
   const double a = helix_deg * radians, b = sheet_deg * radians;
-  const Vec3 fiber = std::cos(a) * around + std::sin(a) * up;
-  return {fiber, std::cos(b) * n + std::sin(b) * cross(fiber, n)};
+  const Vec3 fiber = math::cos(a) * around + math::sin(a) * up;
+  return {fiber, math::cos(b) * n + math::sin(b) * cross(fiber, n)};
 }
 
 /// The harmonic functions of the ventricles.

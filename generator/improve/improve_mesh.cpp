@@ -16,6 +16,7 @@
 #include "generator/lattice/repair.hpp"
 #include "model/error.hpp"
 #include "model/face_tree.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::improve {
 namespace {
@@ -75,7 +76,7 @@ std::vector<std::uint8_t> feature_nodes(std::size_t node_count, const std::vecto
     for (std::size_t i = 0; i < 3; ++i)
       edges.push_back({std::minmax(faces[f].nodes[i], faces[f].nodes[(i + 1) % 3]), f});
   std::sort(edges.begin(), edges.end());
-  const double least_cosine = std::cos(feature_deg * std::numbers::pi / 180);
+  const double least_cosine = math::cos(feature_deg * std::numbers::pi / 180);
   for (std::size_t e = 0; e < edges.size();) {
     std::size_t end = e;
     while (end < edges.size() && edges[end].first == edges[e].first) ++end;
@@ -265,7 +266,7 @@ ImprovedMesh improve_with(const std::vector<Vec3>& nodes, const std::vector<Cell
   };
   const double widest = *std::max_element(complex.spacing_mm.begin(), complex.spacing_mm.end());
   lattice::RepairSettings repair;
-  repair.goal = std::sin(settings.goal_deg * std::numbers::pi / 180);
+  repair.goal = math::sin(settings.goal_deg * std::numbers::pi / 180);
   repair.least = 0.96 * repair.goal;
   repair.sweeps = 16;
   repair.tolerance = 0;

@@ -9,6 +9,7 @@
 
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::labels {
 namespace {
@@ -120,7 +121,7 @@ TorsoPose fit_torso(const std::vector<CommonMark>& marks, bool with_scale) {
   }
   const auto fit =
       adapters::fit_points(from, to, with_scale ? adapters::PoseFreedom::similarity : adapters::PoseFreedom::rigid);
-  TorsoPose pose{fit.map, std::cbrt(determinant(fit.map.matrix)), fit.rms, {}};
+  TorsoPose pose{fit.map, math::cbrt(determinant(fit.map.matrix)), fit.rms, {}};
   for (const auto& mark : marks) pose.residual_mm.push_back(norm(fit.map(mark.heart_mm) - mark.torso_mm));
   return pose;
 }

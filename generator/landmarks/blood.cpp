@@ -8,6 +8,7 @@
 #include "generator/segment/components.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -80,7 +81,7 @@ Mask without_spine(const Mask& chest, const Spine& spine) {
   return mask_where(chest.grid, [&](const Vec3& p, std::size_t v) {
     if (!chest.voxels[v]) return false;
     const Vec3 vertebra = spine.at(p.z);
-    return p.y <= vertebra.y - in_front_mm && std::hypot(p.x - vertebra.x, p.y - vertebra.y) >= vertebra_radius_mm;
+    return p.y <= vertebra.y - in_front_mm && math::hypot(p.x - vertebra.x, p.y - vertebra.y) >= vertebra_radius_mm;
   });
 }
 

@@ -20,6 +20,7 @@
 #include "generator/segment/faint_right_heart.hpp"
 #include "generator/segment/hounsfield.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -145,7 +146,7 @@ double slant_deg(const Mat3& direction) {
     const Vec3 way = transposed(direction)[axis];
     least_cosine = std::min(least_cosine, std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)}));
   }
-  return std::acos(least_cosine) * 180 / std::numbers::pi;
+  return math::acos(least_cosine) * 180 / std::numbers::pi;
 }
 
 /// What is searched, and how far its frame can be trusted.

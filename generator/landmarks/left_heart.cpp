@@ -7,6 +7,7 @@
 #include "generator/landmarks/contact.hpp"
 #include "generator/landmarks/search.hpp"
 #include "generator/landmarks/statistics.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 /// How much a basin looks like the left ventricle: muscle around it, large, on the left.
 double ventricle_score(const Pool& pool) {
   constexpr double side_offset_mm = 5, side_width_mm = 10;
-  const double on_left = 1 / (1 + std::exp(-(pool.left_mm - side_offset_mm) / side_width_mm));
+  const double on_left = 1 / (1 + math::exp(-(pool.left_mm - side_offset_mm) / side_width_mm));
   return pool.muscle_share * pool.muscle_share * std::sqrt(pool.volume_ml) * on_left;
 }
 
@@ -140,7 +141,7 @@ bool is_descending_aorta(const Pool& pool, const Pool& atrium, const Spine& spin
   const Vec3 off = pool.centre_mm - spine.at(pool.centre_mm.z);
   return pool.volume_ml >= least_ml && length > shortest_mm && pool.depth_mm > thinnest_mm &&
          pool.depth_mm < thickest_mm && filling > least_filling && filling < most_filling && pool.left_mm > right_mm &&
-         pool.left_mm < left_mm && std::hypot(off.x, off.y) < from_spine_mm && pool.front_mm < atrium.front_mm &&
+         pool.left_mm < left_mm && math::hypot(off.x, off.y) < from_spine_mm && pool.front_mm < atrium.front_mm &&
          pool.hu_deviation < most_uneven_hu;
 }
 

@@ -8,6 +8,7 @@
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/gaussian.hpp"
 #include "generator/segment/sections.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -30,13 +31,13 @@ constexpr double degree = 3.14159265358979323846 / 180;
 struct Pose {
   double shift_mm = 0, tilt_u_deg = 0, tilt_v_deg = 0;
 
-  double tilt_deg() const { return std::hypot(tilt_u_deg, tilt_v_deg); }
+  double tilt_deg() const { return math::hypot(tilt_u_deg, tilt_v_deg); }
 };
 
 Vec3 normal_of(const ValvePatch& start, const Pose& pose) {
   const segment::PlaneFrame frame = segment::frame_across(start.normal);
-  return normalized(start.normal + std::tan(pose.tilt_u_deg * degree) * frame.u +
-                    std::tan(pose.tilt_v_deg * degree) * frame.v);
+  return normalized(start.normal + math::tan(pose.tilt_u_deg * degree) * frame.u +
+                    math::tan(pose.tilt_v_deg * degree) * frame.v);
 }
 
 Vec3 point_of(const ValvePatch& start, const Pose& pose) { return start.centre_mm + pose.shift_mm * start.normal; }
@@ -106,7 +107,7 @@ Disc best_disc(const Cut& cut, double radius_step_mm, int step, double nats_per_
     const double unusual = (radius_mm - usual_radius_mm) / radius_slack_mm;
     for (int b = -reach; b <= reach; b += step)
       for (int a = -reach; a <= reach; a += step) {
-        const double across = std::hypot(a, b) * Cut::pixel_mm / across_slack_mm;
+        const double across = math::hypot(a, b) * Cut::pixel_mm / across_slack_mm;
         const double penalty_nats = 0.5 * (unusual * unusual + across * across);
         const double excess =
             excess_in(cut, a, b, radius_mm) - penalty_nats / (2 * nats_per_mm2 * segment::section_pixel_mm2);
@@ -127,7 +128,7 @@ double gain_of(const FaintTissue& tissue, const ValvePatch& start, const Pose& p
   double whole = 0;
   for (const Vec3& p : points) whole += static_cast<double>(value_at(tissue.excess, p));
   const Disc disc = best_disc(cut_at(tissue, point, normal), radius_step_mm, step, tissue.nats_per_mm2);
-  const double off = std::pow(pose.shift_mm / shift_slack_mm, 2) + std::pow(pose.tilt_deg() / tilt_slack_deg, 2);
+  const double off = math::pow(pose.shift_mm / shift_slack_mm, 2) + math::pow(pose.tilt_deg() / tilt_slack_deg, 2);
   return 2 * (disc.excess - std::max(whole, 0.0)) * segment::section_pixel_mm2 * tissue.nats_per_mm2 - 0.5 * off;
 }
 

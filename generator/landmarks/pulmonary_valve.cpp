@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "generator/landmarks/working_image.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/sections.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -149,7 +149,7 @@ Vec3 blood_middle(const Scenery& scenery, const segment::Section& section, const
   double pixels = 0;
   for (int b = -reach; b <= reach; ++b)
     for (int a = -reach; a <= reach; ++a) {
-      if (std::hypot(a, b) * pixel_mm > radius_mm) continue;
+      if (math::hypot(a, b) * pixel_mm > radius_mm) continue;
       const Vec3 p = section.centre_mm + (a * pixel_mm) * frame.u + (b * pixel_mm) * frame.v;
       const auto at = nearest_voxel(scenery.blood.grid, p);
       if (!scenery.blood.grid.contains(at[0], at[1], at[2]) || scenery.blood(at[0], at[1], at[2]) == 0) continue;
@@ -213,7 +213,7 @@ constexpr std::size_t window = 3;  // stations on either side of a rise
 double plausibility(const Vec3& valve_mm, const std::optional<Vec3>& usual_mm) {
   constexpr double deviation_mm = 15;
   const double off = usual_mm ? norm(valve_mm - *usual_mm) / deviation_mm : 0;
-  return std::exp(-0.5 * off * off);
+  return math::exp(-0.5 * off * off);
 }
 
 /// The number of stations before the sharpest plausible rise of the wall's grey value between 6 mm downstream and 6 mm

@@ -5,6 +5,7 @@
 
 #include "generator/landmarks/working_image.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::landmarks {
@@ -73,7 +74,7 @@ std::vector<double> gaussian_filtered(const std::vector<double>& values, double 
   for (std::ptrdiff_t at = 0; at <= last; ++at) {
     double sum = 0, weights = 0;
     for (std::ptrdiff_t n = -half; n <= half; ++n) {
-      const double weight = std::exp(-0.5 * static_cast<double>(n * n) / (sigma * sigma));
+      const double weight = math::exp(-0.5 * static_cast<double>(n * n) / (sigma * sigma));
       sum += weight * values[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at + n, 0, last))];
       weights += weight;
     }
@@ -111,7 +112,7 @@ Volume<float> vertebra_score(const Volume<float>& image, const Mask& lung) {
         const double expected_y =
             image.grid.origin_mm.y + back[static_cast<std::size_t>(k)] * image.grid.spacing_mm.y - spine_before_back_mm;
         const double y = (p.y - expected_y) / depth_tolerance_mm, x = (p.x - middle) / side_tolerance_mm;
-        bone.voxels[v] *= static_cast<float>(std::exp(-0.5 * (x * x + y * y)));
+        bone.voxels[v] *= static_cast<float>(math::exp(-0.5 * (x * x + y * y)));
       }
   return bone;
 }
@@ -175,7 +176,7 @@ double share_unlike_spine(const Spine& spine, const Volume<float>& image, const 
     for (std::int64_t j = 0; j < ny; ++j)
       for (std::int64_t i = 0; i < nx; ++i) {
         const Vec3 p = position_mm(image.grid, i, j, k), vertebra = spine.at(p.z);
-        if (std::hypot(p.x - vertebra.x, p.y - vertebra.y) >= radius_mm) continue;
+        if (math::hypot(p.x - vertebra.x, p.y - vertebra.y) >= radius_mm) continue;
         sum += static_cast<double>(image(i, j, k));
         pixels += 1;
       }

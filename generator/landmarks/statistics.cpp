@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::landmarks {
@@ -86,7 +87,7 @@ PrincipalAxes principal_axes(const std::vector<Vec3>& points) {
 
 double angle_deg(const Vec3& a, const Vec3& b) {
   const double cosine = dot(a, b) / std::max(norm(a) * norm(b), 1e-300);
-  return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+  return math::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
 }  // namespace heart::landmarks

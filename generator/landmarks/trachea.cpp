@@ -8,6 +8,7 @@
 #include "generator/landmarks/slices.hpp"
 #include "generator/landmarks/working_image.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::landmarks {
 namespace {
@@ -73,7 +74,7 @@ int continuation(const Disc& last, const std::vector<Disc>& discs) {
   for (std::size_t n = 0; n < discs.size(); ++n) {
     const Vec3 step = discs[n].centre_mm - last.centre_mm;
     const double growth = discs[n].area_mm2 / last.area_mm2;
-    const double distance = std::hypot(step.x, step.y);
+    const double distance = math::hypot(step.x, step.y);
     if (distance >= nearest || growth > growth_limit || growth < 1 / growth_limit) continue;
     nearest = distance;
     best = static_cast<int>(n);

@@ -2,12 +2,13 @@
 
 #include <numbers>
 
-#include "generator/parallel/vector_clones.hpp"
+#include "generator/parallel/simd.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::lattice {
 namespace {
 
-HEART_VECTOR_CLONES void rate(const CellBatch& c, double* quality) {
+HEART_INLINE void rate(const CellBatch& c, double* quality) {
   for (std::size_t i = 0; i < CellBatch::size; ++i)
     quality[i] = cell_quality({c.x[0][i], c.y[0][i], c.z[0][i]}, {c.x[1][i], c.y[1][i], c.z[1][i]},
                               {c.x[2][i], c.y[2][i], c.z[2][i]}, {c.x[3][i], c.y[3][i], c.z[3][i]});
@@ -27,7 +28,7 @@ std::array<double, 2> dihedral_range_deg(const std::array<Vec3, 4>& corners) {
   std::array<double, 2> range{180, 0};
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = i + 1; j < 4; ++j) {
-      const double angle = std::acos(std::clamp(-dot(normals[i], normals[j]), -1.0, 1.0)) * 180 / std::numbers::pi;
+      const double angle = math::acos(std::clamp(-dot(normals[i], normals[j]), -1.0, 1.0)) * 180 / std::numbers::pi;
       range = {std::min(range[0], angle), std::max(range[1], angle)};
     }
   return range;
@@ -35,7 +36,7 @@ std::array<double, 2> dihedral_range_deg(const std::array<Vec3, 4>& corners) {
 
 std::array<double, CellBatch::size> cell_qualities(const CellBatch& cells) {
   std::array<double, CellBatch::size> quality;
-  rate(cells, quality.data());
+  parallel::vectorised<rate>(cells, quality.data());
   return quality;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "generator/lattice/marked_cubes.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heart::lattice {
@@ -150,7 +150,7 @@ CubeGrid empty_grid(const std::vector<FaceBox>& boxes) {
   const double room = extent.x * extent.y * extent.z / (most_cubes_per_face * static_cast<double>(boxes.size()));
   CubeGrid grid;
   grid.origin = all.low;
-  grid.width = std::max({widths * sum / static_cast<double>(boxes.size()), std::cbrt(room), 1e-9});
+  grid.width = std::max({widths * sum / static_cast<double>(boxes.size()), math::cbrt(room), 1e-9});
   for (int axis = 0; axis < 3; ++axis)
     grid.size[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(extent[axis] / grid.width) + 1;
   return grid;

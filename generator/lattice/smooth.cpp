@@ -7,7 +7,7 @@
 #include "generator/lattice/feature.hpp"
 #include "generator/lattice/misfit.hpp"
 #include "generator/lattice/quality.hpp"
-#include "generator/parallel/vector_clones.hpp"
+#include "generator/parallel/simd.hpp"
 
 namespace heart::lattice {
 namespace {
@@ -30,14 +30,13 @@ using Qualities = std::array<double, most_cells>;
 constexpr std::size_t batch = CellBatch::size;
 
 // Qualities first to first + 3 with the node at `p`; the arrays have room for a whole batch at the end.
-HEART_VECTOR_CLONES void evaluate_batch(const Star& star, std::size_t first, double px, double py, double pz,
-                                        double* q) {
+HEART_INLINE void evaluate_batch(const Star& star, std::size_t first, double px, double py, double pz, double* q) {
   for (std::size_t i = 0; i < batch; ++i) q[i] = star.quality_at(first + i, {px, py, pz});
 }
 
 // Qualities of cell `i` with the node at each of four places.
-HEART_VECTOR_CLONES void evaluate_places(const Star& star, std::size_t i, const double* x, const double* y,
-                                         const double* z, double* q) {
+HEART_INLINE void evaluate_places(const Star& star, std::size_t i, const double* x, const double* y, const double* z,
+                                  double* q) {
   for (std::size_t k = 0; k < batch; ++k) q[k] = star.quality_at(i, {x[k], y[k], z[k]});
 }
 
@@ -45,7 +44,7 @@ HEART_VECTOR_CLONES void evaluate_places(const Star& star, std::size_t i, const 
 Vec3 gradient_of(const Star& star, std::size_t i, const Vec3& p, double here, double step_mm) {
   const std::array x{p.x + step_mm, p.x, p.x, p.x}, y{p.y, p.y + step_mm, p.y, p.y}, z{p.z, p.z, p.z + step_mm, p.z};
   std::array<double, batch> moved;
-  evaluate_places(star, i, x.data(), y.data(), z.data(), moved.data());
+  parallel::vectorised<evaluate_places>(star, i, x.data(), y.data(), z.data(), moved.data());
   return {(moved[0] - here) / step_mm, (moved[1] - here) / step_mm, (moved[2] - here) / step_mm};
 }
 
@@ -53,7 +52,7 @@ Vec3 gradient_of(const Star& star, std::size_t i, const Vec3& p, double here, do
 double evaluate(const Star& star, const Vec3& p, double bound, Qualities& q) {
   double worst = 9;
   for (std::size_t first = 0; first < star.size && worst > bound; first += batch) {
-    evaluate_batch(star, first, p.x, p.y, p.z, q.data() + first);
+    parallel::vectorised<evaluate_batch>(star, first, p.x, p.y, p.z, q.data() + first);
     const std::size_t end = std::min(first + batch, star.size);
     for (std::size_t i = first; i < end; ++i) worst = std::min(worst, q[i]);
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -14,6 +13,7 @@
 #include "generator/mesh/quality.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "generator/parallel/gather.hpp"
+#include "model/mathematics.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heart::mesh {
@@ -191,7 +191,7 @@ bool improve_node(const Workspace& w, std::int32_t node, const ImproveSettings& 
   return moved;
 }
 
-double sine_of(double angle_deg) { return std::sin(angle_deg * std::numbers::pi / 180); }
+double sine_of(double angle_deg) { return math::sin(angle_deg * std::numbers::pi / 180); }
 
 void move_bad_vertices(std::vector<Vec3>& nodes_mm, std::span<const Cell> cells, std::span<const std::int32_t> label,
                        std::int32_t first_dropped_label, const ImproveSettings& settings) {

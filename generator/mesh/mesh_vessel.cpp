@@ -23,6 +23,7 @@
 #include "generator/segment/distance.hpp"
 #include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -45,7 +46,7 @@ std::vector<CurvePoint> sample_rim(const VesselDomain& domain, const VesselEnd& 
   double length = 0;
   for (int ray = 0; ray < rays_per_section; ++ray) {
     const double angle = 2 * std::numbers::pi * ray / rays_per_section;
-    const Vec3 direction = std::cos(angle) * u + std::sin(angle) * v;
+    const Vec3 direction = math::cos(angle) * u + math::sin(angle) * v;
     double inside = 0;
     while (inside < end.reach_mm && in_lumen(domain, end.center_mm + (inside + step) * direction)) inside += step;
     double outside = inside + step;

@@ -8,6 +8,7 @@
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/distance.hpp"
 #include "model/crop.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -24,7 +25,7 @@ struct Reach {
   }
 };
 
-double half_voxel_of(const Grid& grid) { return 0.5 * std::cbrt(grid.voxel_volume_mm3()); }
+double half_voxel_of(const Grid& grid) { return 0.5 * math::cbrt(grid.voxel_volume_mm3()); }
 
 Reach reach_of(const LabelVolume& labels, std::uint8_t tag, double radius_mm) {
   const auto& spacing = labels.grid.spacing_mm;

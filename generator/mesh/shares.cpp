@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "generator/parallel/simd.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/parallel/vector_clones.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -14,7 +15,7 @@ constexpr double reach_sigmas = 3;
 
 std::int64_t radius_of(const std::vector<float>& weights) { return static_cast<std::int64_t>(weights.size() / 2); }
 
-double bell(double x, double sigma) { return std::exp(-0.5 * x * x / (sigma * sigma)) / sigma; }
+double bell(double x, double sigma) { return math::exp(-0.5 * x * x / (sigma * sigma)) / sigma; }
 
 template <class Weight>
 std::vector<float> kernel(double reach_voxels, Weight&& weight) {
@@ -55,12 +56,12 @@ Stretches stretches_of(const Volume<float>& volume) {
 }
 
 // Taps along a row, one after the other, so that it vectorises and the bits are the same for any vector length.
-HEART_VECTOR_CLONES void add_four(const float* weights, const float* a, const float* b, const float* c, const float* d,
-                                  std::int64_t count, float* __restrict out) {
+HEART_INLINE void add_four(const float* weights, const float* a, const float* b, const float* c, const float* d,
+                           std::int64_t count, float* __restrict out) {
   for (std::int64_t i = 0; i < count; ++i)
     out[i] = (((out[i] + weights[0] * a[i]) + weights[1] * b[i]) + weights[2] * c[i]) + weights[3] * d[i];
 }
-HEART_VECTOR_CLONES void add_one(float weight, const float* in, std::int64_t count, float* __restrict out) {
+HEART_INLINE void add_one(float weight, const float* in, std::int64_t count, float* __restrict out) {
   for (std::int64_t i = 0; i < count; ++i) out[i] += weight * in[i];
 }
 
@@ -134,9 +135,10 @@ class AxisPass {
     };
     auto tap = -radius_;
     for (; tap + 4 <= radius_ + 1; tap += 4)
-      add_four(weights_.data() + tap + radius_, in(tap), in(tap + 1), in(tap + 2), in(tap + 3), to - from, out + from);
+      parallel::vectorised<add_four>(weights_.data() + tap + radius_, in(tap), in(tap + 1), in(tap + 2), in(tap + 3),
+                                     to - from, out + from);
     for (; tap <= radius_; ++tap)
-      add_one(weights_[static_cast<std::size_t>(tap + radius_)], in(tap), to - from, out + from);
+      parallel::vectorised<add_one>(weights_[static_cast<std::size_t>(tap + radius_)], in(tap), to - from, out + from);
   }
 
   Index3 size_;

@@ -13,6 +13,7 @@
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/distance.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -244,7 +245,7 @@ void refuse_too_many_own_cells(const Volume<float>& sizes, const MeshDomain& dom
   const Vec3& spacing = sizes.grid.spacing_mm;
   double cubes = 0;  // of the edge
   for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
-    if (labels.voxels[v] != 0) cubes += spacing.x * spacing.y * spacing.z / std::pow(sizes.voxels[v], 3);
+    if (labels.voxels[v] != 0) cubes += spacing.x * spacing.y * spacing.z / math::pow(sizes.voxels[v], 3);
   const double cells = lattice::cells_per_cube * cubes;
   if (cells <= most_cells) return;
   throw UserError(fmt::format("it asks for about {:.0f} million cells", cells / 1e6), "size field of the mesh",

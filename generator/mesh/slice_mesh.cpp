@@ -16,6 +16,7 @@
 #include "generator/segment/distance.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -280,7 +281,7 @@ void measure_angles(const distmesh::Triangles& mesh, SliceReport& report) {
     bool is_outside = false;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 a = mesh.at(corners[i]), u = mesh.at(corners[(i + 1) % 3]) - a, v = mesh.at(corners[(i + 2) % 3]) - a;
-      const double angle = std::atan2(u.x * v.y - u.y * v.x, dot(u, v)) * 180 / std::numbers::pi;
+      const double angle = math::atan2(u.x * v.y - u.y * v.x, dot(u, v)) * 180 / std::numbers::pi;
       report.least_angle_deg = std::min(report.least_angle_deg, angle);
       report.greatest_angle_deg = std::max(report.greatest_angle_deg, angle);
       is_outside = is_outside || angle < least || angle > greatest;

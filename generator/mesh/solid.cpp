@@ -8,6 +8,7 @@
 #include "generator/segment/components.hpp"
 #include "generator/segment/distance.hpp"
 #include "generator/segment/fast_sweeping.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::mesh {
 namespace {
@@ -57,7 +58,7 @@ std::array<LevelSet, 3> heart_surfaces(const MeshDomain& domain, double voxel_mm
 /// surfaces stay.
 void roll(LevelSet& distance, float radius_mm, float side, float band_mm) {
   const auto& spacing = distance.grid.spacing_mm;
-  const auto half_voxel = static_cast<float>(0.5 * std::cbrt(spacing.x * spacing.y * spacing.z));
+  const auto half_voxel = static_cast<float>(0.5 * math::cbrt(spacing.x * spacing.y * spacing.z));
   Mask core(distance.grid);
   for (std::size_t v = 0; v < core.voxels.size(); ++v)
     core.voxels[v] = side * distance.voxels[v] <= half_voxel - radius_mm;
@@ -100,7 +101,7 @@ LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, const Narrowe
   const auto& spacing = level_set.grid.spacing_mm;
   smooth(level_set, gaussian_kernels({blur_mm / spacing.x, blur_mm / spacing.y, blur_mm / spacing.z}));
   roll(level_set, after_blur * wall_radius, 1, band);
-  const double least_mm3 = smallest_part * std::pow(narrowest.wall_mm, 3);
+  const double least_mm3 = smallest_part * math::pow(narrowest.wall_mm, 3);
   drop_islands(level_set, least_mm3, 1);
   drop_islands(level_set, least_mm3, -1);
   return level_set;

@@ -8,7 +8,7 @@
 
 #include "generator/segment/flow_kernels.hpp"
 #include "generator/segment/primal_dual.hpp"
-#include "generator/segment/simd.hpp"
+#include "generator/segment/row_loops.hpp"
 #include "generator/segment/stencil.hpp"
 #include "generator/segment/two_classes.hpp"
 #include "model/error.hpp"

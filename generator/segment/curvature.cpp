@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "generator/segment/primal_dual.hpp"
-#include "generator/segment/simd.hpp"
+#include "generator/segment/row_loops.hpp"
 #include "model/error.hpp"
 
 namespace heart::segment {

@@ -14,6 +14,7 @@
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/total_variation.hpp"
 #include "model/crop.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::segment {
@@ -71,7 +72,7 @@ double noise_power(const Volume<float>& hu, const Mask& uniform) {
   for (std::size_t v = 0; v < uniform.voxels.size(); ++v)
     if (uniform.voxels[v]) difference.push_back(std::abs(narrow.voxels[v] - wide.voxels[v]));
   const double deviation = 1.48 * median_of(difference, 0);
-  const auto overlap = [](double variance) { return std::pow(2 * std::numbers::pi * variance, -1.5); };
+  const auto overlap = [](double variance) { return math::pow(2 * std::numbers::pi * variance, -1.5); };
   return deviation * deviation / (overlap(2 * a * a) - 2 * overlap(a * a + b * b) + overlap(2 * b * b));
 }
 

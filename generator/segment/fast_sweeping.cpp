@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "generator/segment/simd.hpp"
+#include "generator/segment/row_loops.hpp"
 
 namespace heart::segment {
 namespace {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "generator/parallel/threads.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::segment {
 namespace {
@@ -15,7 +16,7 @@ std::vector<float> half_kernel(double sigma_voxels) {
   std::vector<double> weight;
   double sum = 0;
   for (int n = 0; n <= radius; ++n) {
-    weight.push_back(std::exp(-0.5 * n * n / (sigma_voxels * sigma_voxels)));
+    weight.push_back(math::exp(-0.5 * n * n / (sigma_voxels * sigma_voxels)));
     sum += n == 0 ? weight.back() : 2 * weight.back();
   }
   std::vector<float> kernel;

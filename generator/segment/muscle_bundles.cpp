@@ -8,6 +8,7 @@
 
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/gaussian.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::segment {
 namespace {
@@ -85,7 +86,7 @@ void for_each_within(const Grid& grid, const MuscleBundle& bundle, double margin
 /// the square of the blur times the curvature.
 double share(double distance_mm, double radius_mm) {
   const double shift_mm = 0.5 * blur_mm * blur_mm / radius_mm;
-  return 0.5 * std::erfc((distance_mm + shift_mm) / (std::numbers::sqrt2 * blur_mm));
+  return 0.5 * math::erfc((distance_mm + shift_mm) / (std::numbers::sqrt2 * blur_mm));
 }
 
 /// What speaks for muscle: nats per mm³ of every voxel, and of muscle's mean grey value.

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "generator/segment/primal_dual.hpp"
-#include "generator/segment/simd.hpp"
+#include "generator/segment/row_loops.hpp"
 #include "generator/segment/stencil.hpp"
 #include "model/error.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "generator/segment/simd.hpp"
+#include "generator/segment/row_loops.hpp"
 
 namespace heart::segment {
 namespace {

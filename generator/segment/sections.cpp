@@ -5,6 +5,8 @@
 #include <numbers>
 #include <vector>
 
+#include "model/mathematics.hpp"
+
 namespace heart::segment {
 namespace {
 
@@ -75,7 +77,7 @@ std::optional<Trial> try_plane(const Volume<float>& blood, const Vec3& centre, c
   constexpr double search_mm = 4.5, least_mm2 = 100, per_shift = 0.004, per_tilt = 0.5;
   const auto section = section_at(blood, centre + shift_mm * normal, normal, search_mm);
   if (!section || section->area_mm2 < least_mm2) return std::nullopt;
-  const double penalty = per_shift * std::pow(std::abs(shift_mm), 1.5) + per_tilt * (1 - std::cos(tilt));
+  const double penalty = per_shift * math::pow(std::abs(shift_mm), 1.5) + per_tilt * (1 - math::cos(tilt));
   return Trial{section->area_mm2 * (1 + penalty), {*section, normal}};
 }
 
@@ -120,8 +122,8 @@ std::optional<TightestPlane> tightest_plane(const Volume<float>& blood, const Ve
     for (int azimuth = 0; azimuth < (tilt_deg > 0 ? azimuths : 1); ++azimuth)
       for (int shift = -shifts; shift <= shifts; ++shift) {
         const double tilt = tilt_deg * degree, turn = azimuth * 2 * std::numbers::pi / azimuths;
-        const Vec3 side = std::cos(turn) * frame.u + std::sin(turn) * frame.v;
-        const Vec3 tilted = normalized(std::cos(tilt) * normal + std::sin(tilt) * side);
+        const Vec3 side = math::cos(turn) * frame.u + math::sin(turn) * frame.v;
+        const Vec3 tilted = normalized(math::cos(tilt) * normal + math::sin(tilt) * side);
         const auto trial = try_plane(blood, centre, tilted, shift * pixel_mm, tilt);
         if (trial && (!best || trial->cost < best->cost)) best = trial;
       }

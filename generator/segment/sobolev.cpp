@@ -8,6 +8,7 @@
 #include "generator/segment/primal_dual.hpp"
 #include "generator/segment/stencil.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::segment {
 namespace {
@@ -23,7 +24,8 @@ struct Chebyshev {
   Chebyshev(double largest, double tolerance) : center((largest + 1) / 2), radius((largest - 1) / 2) {
     rho = radius / center;
     const double root = std::sqrt(largest);
-    iterations = std::max(1, static_cast<int>(std::ceil(std::log(2 / tolerance) / std::log((root + 1) / (root - 1)))));
+    iterations =
+        std::max(1, static_cast<int>(std::ceil(math::log(2 / tolerance) / math::log((root + 1) / (root - 1)))));
   }
 
   /// Factors of the last direction and of the residual in the next direction.

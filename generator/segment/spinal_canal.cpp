@@ -8,6 +8,7 @@
 
 #include "generator/parallel/threads.hpp"
 #include "generator/segment/morphology.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::segment {
 namespace {
@@ -46,7 +47,7 @@ std::vector<Ray> make_rays(const Vec3& spacing_mm) {
   std::vector<Ray> rays(directions);
   for (int d = 0; d < directions; ++d) {
     const double angle = 2 * std::numbers::pi * d / directions;
-    const double x = std::cos(angle) / spacing_mm.x, y = std::sin(angle) / spacing_mm.y;
+    const double x = math::cos(angle) / spacing_mm.x, y = math::sin(angle) / spacing_mm.y;
     for (int n = 1; n * step_mm <= reach_mm; ++n)
       rays[static_cast<std::size_t>(d)].push_back({std::lround(n * step_mm * x), std::lround(n * step_mm * y)});
   }
@@ -114,8 +115,8 @@ std::vector<Index3> best_way(const Lattice& lattice, const Grid& grid, std::vect
 /// Marks what of `core` in slice k hangs together with the voxels near `centre`, within reach_mm of it.
 void mark_section(const Mask& core, const Index3& centre, std::int64_t k, Mask& canal) {
   const auto distance_mm = [&](const std::array<std::int64_t, 2>& p) {
-    return std::hypot(static_cast<double>(p[0] - centre[0]) * core.grid.spacing_mm.x,
-                      static_cast<double>(p[1] - centre[1]) * core.grid.spacing_mm.y);
+    return math::hypot(static_cast<double>(p[0] - centre[0]) * core.grid.spacing_mm.x,
+                       static_cast<double>(p[1] - centre[1]) * core.grid.spacing_mm.y);
   };
   std::vector<std::array<std::int64_t, 2>> front;
   const auto visit = [&](const std::array<std::int64_t, 2>& p, double within_mm) {

@@ -16,6 +16,7 @@
 #include "generator/segment/seeds.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::segment {
@@ -95,7 +96,7 @@ std::optional<Index3> find_trachea(const CtVolume& ct, std::int64_t lowest_slice
       const auto follows = [&](const std::vector<Disc>& chain) {
         const Disc& last = chain.back();
         const double ratio = disc.area_mm2 / last.area_mm2;
-        return last.slice == k + 1 && std::hypot(disc.x - last.x, disc.y - last.y) < drift_mm && ratio > 0.5 &&
+        return last.slice == k + 1 && math::hypot(disc.x - last.x, disc.y - last.y) < drift_mm && ratio > 0.5 &&
                ratio < 2;
       };
       const auto chain = std::find_if(chains.begin(), chains.end(), follows);

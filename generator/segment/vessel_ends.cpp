@@ -14,6 +14,7 @@
 #include "generator/segment/flood.hpp"
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/sections.hpp"
+#include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::segment {
@@ -119,7 +120,7 @@ struct Core {
   double reach_mm = 0;  ///< level, from the middle
 };
 
-double level_distance(const Vec3& a, const Vec3& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+double level_distance(const Vec3& a, const Vec3& b) { return math::hypot(a.x - b.x, a.y - b.y); }
 
 Core measure_core(const Mask& core) {
   Core result{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), {}, 0};

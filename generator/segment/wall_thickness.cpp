@@ -12,6 +12,7 @@
 #include "generator/segment/morphology.hpp"
 #include "generator/segment/wall_band.hpp"
 #include "model/corners.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::segment {
 namespace {
@@ -149,7 +150,7 @@ struct LineWeights {
     reach = static_cast<std::int64_t>(2.5 * along_mm / cell_mm);
     for (std::int64_t n = -reach; n <= reach; ++n) {
       const double at = static_cast<double>(n) * cell_mm / std::max(along_mm, cell_mm);
-      weights.push_back(std::exp(-0.5 * at * at));
+      weights.push_back(math::exp(-0.5 * at * at));
     }
   }
 };
@@ -166,7 +167,7 @@ double posterior_mean(std::array<double, bins + 1>& nats, double prior_mm) {
   }
   double sum = 0, weighted = 0;
   for (std::size_t n = 0; n <= bins; ++n) {
-    const double likely = std::exp(nats[n] - top);
+    const double likely = math::exp(nats[n] - top);
     sum += likely;
     weighted += likely * off_mm(n);
   }
@@ -180,7 +181,7 @@ std::array<double, bins + 1> neighbours_sum(const PlaceEvidence& smooth, const I
   double total = 0;
   for (const double weight : line.weights) total += weight;
   const double ratio = neighbours.along_mm / neighbours.across_mm;
-  const double height = std::pow(2 * std::numbers::pi * neighbours.across_mm * neighbours.across_mm, 1.5) /
+  const double height = math::pow(2 * std::numbers::pi * neighbours.across_mm * neighbours.across_mm, 1.5) /
                         (cell_mm * cell_mm * cell_mm) * std::sqrt(1 + ratio * ratio) / total;
   std::array<double, bins + 1> nats{};
   for (std::int64_t n = -line.reach; n <= line.reach; ++n) {

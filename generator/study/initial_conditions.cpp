@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "datasets/phantom/shapes.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::study {
 
 Field circle_start(int width, int height, double center_x, double center_y, double radius) {
   Field phi(width, height);
   for (int j = 0; j < height; ++j)
-    for (int i = 0; i < width; ++i) phi(i, j) = radius - std::hypot(i - center_x, j - center_y);
+    for (int i = 0; i < width; ++i) phi(i, j) = radius - math::hypot(i - center_x, j - center_y);
   return phi;
 }
 
@@ -26,7 +27,7 @@ Field many_circles_start(int width, int height, int across) {
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i) {
       const double x = std::fmod(i + 0.5, pitch_x) - pitch_x / 2, y = std::fmod(j + 0.5, pitch_y) - pitch_y / 2;
-      phi(i, j) = radius - std::hypot(x, y);
+      phi(i, j) = radius - math::hypot(x, y);
     }
   return phi;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/mathematics.hpp"
+
 namespace heart::study {
 namespace {
 
@@ -35,7 +37,7 @@ double segment_in_triangle(const std::array<Point, 3>& p, const std::array<doubl
     const std::size_t a = (tip + 1) % 3, b = (tip + 2) % 3;
     if (!crosses(v[tip], v[a]) || !crosses(v[tip], v[b])) continue;
     const Point from = zero_point(p[tip], v[tip], p[a], v[a]), to = zero_point(p[tip], v[tip], p[b], v[b]);
-    return std::hypot(from.x - to.x, from.y - to.y);
+    return math::hypot(from.x - to.x, from.y - to.y);
   }
   return 0;
 }
@@ -43,7 +45,7 @@ double segment_in_triangle(const std::array<Point, 3>& p, const std::array<doubl
 }  // namespace
 
 double gaussian_delta(double x, double beta) {
-  return std::exp(-(x / beta) * (x / beta)) / (beta * std::sqrt(std::numbers::pi));
+  return math::exp(-(x / beta) * (x / beta)) / (beta * std::sqrt(std::numbers::pi));
 }
 
 double gaussian_delta_slope(double x, double beta) { return -2 * x / (beta * beta) * gaussian_delta(x, beta); }
@@ -52,7 +54,7 @@ double gaussian_length(const Field& phi, double beta, double spacing) {
   double sum = 0;
   for (int j = 0; j < phi.height; ++j)
     for (int i = 0; i < phi.width; ++i)
-      sum += gaussian_delta(phi(i, j), beta) * std::hypot(forward_x(phi, i, j), forward_y(phi, i, j));
+      sum += gaussian_delta(phi(i, j), beta) * math::hypot(forward_x(phi, i, j), forward_y(phi, i, j));
   return spacing * sum;
 }
 

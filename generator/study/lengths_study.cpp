@@ -8,6 +8,7 @@
 #include "generator/study/initial_conditions.hpp"
 #include "generator/study/length.hpp"
 #include "generator/study/studies.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::study {
 namespace {
@@ -208,7 +209,7 @@ std::vector<Claim> claims(const Plot& powers, const Plot& multiples) {
 StudyResult study_lengths(const StudySettings& settings) {
   if (settings.progress) settings.progress("five lengths of a circle and four areas of a sphere");
   const Plot powers = rescaled("fig-5-2", "Circumference against the power d of φ^d", "d", true, {1, 3, 5, 7, 9, 11},
-                               [](double phi, double d) { return std::pow(phi, d); });
+                               [](double phi, double d) { return math::pow(phi, d); });
   const Plot multiples = rescaled("fig-5-3", "Circumference against the factor m of m φ", "m", false,
                                   {0.1, 0.25, 0.5, 1, 2, 4, 6, 8, 10}, [](double phi, double m) { return m * phi; });
   return {

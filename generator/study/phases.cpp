@@ -7,6 +7,7 @@
 
 #include "generator/study/initial_conditions.hpp"
 #include "generator/study/length.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::study {
 namespace {
@@ -223,7 +224,7 @@ Misclassified compare_classes(const PixelLabels& classes, const PixelLabels& tru
   const auto near = [&](int i, int j, std::uint8_t wanted) {
     for (int y = std::max(0, j - reach); y <= std::min(truth.height - 1, j + reach); ++y)
       for (int x = std::max(0, i - reach); x <= std::min(truth.width - 1, i + reach); ++x)
-        if (std::hypot(x - i, y - j) <= reach_px && truth(x, y) == wanted) return true;
+        if (math::hypot(x - i, y - j) <= reach_px && truth(x, y) == wanted) return true;
     return false;
   };
   Misclassified found;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "generator/study/study.hpp"
+#include "model/mathematics.hpp"
 #include "validation/html_text.hpp"
 
 namespace heart::study {
@@ -23,7 +24,7 @@ struct Axis {
   double low = 0, high = 1;  ///< in the axis's own measure: the value, or its decimal logarithm
   double pixel_low = 0, pixel_high = 1;
 
-  double measure(double value) const { return logarithmic ? std::log10(std::max(value, 1e-300)) : value; }
+  double measure(double value) const { return logarithmic ? math::log10(std::max(value, 1e-300)) : value; }
   double pixel(double value) const {
     const double share = std::clamp((measure(value) - low) / (high - low), 0.0, 1.0);
     return pixel_low + share * (pixel_high - pixel_low);
@@ -32,7 +33,7 @@ struct Axis {
 
 /// 1, 2 or 5 times a power of ten, about a fifth of the range.
 double tick_step(double range) {
-  const double power = std::pow(10, std::floor(std::log10(range / 5)));
+  const double power = math::pow(10, std::floor(math::log10(range / 5)));
   for (const double factor : {1.0, 2.0, 5.0})
     if (range / (factor * power) <= 7) return factor * power;
   return 10 * power;
@@ -59,9 +60,9 @@ std::vector<double> ticks(const Axis& axis) {
     const bool few = axis.high - axis.low < 2;
     for (int power = static_cast<int>(std::floor(axis.low)); power <= axis.high; ++power)
       for (const double factor : {1.0, 2.0, 5.0}) {
-        const double place = power + std::log10(factor);
+        const double place = power + math::log10(factor);
         if ((factor == 1 || few) && place >= axis.low - 1e-9 && place <= axis.high + 1e-9)
-          at.push_back(factor * std::pow(10, power));
+          at.push_back(factor * math::pow(10, power));
       }
     return at;
   }

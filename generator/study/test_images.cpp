@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "datasets/phantom/shapes.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::study {
 namespace {
@@ -20,11 +21,11 @@ double coverage(double distance) { return std::clamp(0.5 - distance, 0.0, 1.0); 
 double capsule(Spot p, Spot a, Spot b, double radius) {
   const double dx = b.x - a.x, dy = b.y - a.y;
   const double t = std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  return std::hypot(p.x - a.x - t * dx, p.y - a.y - t * dy) - radius;
+  return math::hypot(p.x - a.x - t * dx, p.y - a.y - t * dy) - radius;
 }
 
 double ellipse(Spot p, Spot center, double rx, double ry) {
-  const double x = (p.x - center.x) / rx, y = (p.y - center.y) / ry, r = std::hypot(x, y);
+  const double x = (p.x - center.x) / rx, y = (p.y - center.y) / ry, r = math::hypot(x, y);
   return (r - 1) * std::min(rx, ry);
 }
 
@@ -38,7 +39,7 @@ double polygon(Spot p, const std::vector<Spot>& corners) {
   for (std::size_t n = 0; n < corners.size(); ++n) {
     const Spot &a = corners[n], &b = corners[(n + 1) % corners.size()];
     const double dx = b.x - a.x, dy = b.y - a.y;
-    distance = std::max(distance, ((p.x - a.x) * dy - (p.y - a.y) * dx) / std::hypot(dx, dy));
+    distance = std::max(distance, ((p.x - a.x) * dy - (p.y - a.y) * dx) / math::hypot(dx, dy));
   }
   return distance;
 }
@@ -116,7 +117,7 @@ double photographer_grey(Spot p, double pixels_per_unit) {
 }
 
 bool in_shapes(Spot p) {
-  const double ring = std::abs(std::hypot(p.x - 190, p.y - 66) - 36) - 9;
+  const double ring = std::abs(math::hypot(p.x - 190, p.y - 66) - 36) - 9;
   const bool cross = box(p, 164, 182, 236, 200) < 0 || box(p, 191, 155, 209, 227) < 0;
   return ellipse(p, {64, 64}, 42, 42) < 0 || ring < 0 || cross || polygon(p, {{30, 226}, {72, 150}, {114, 226}}) < 0 ||
          box(p, 116, 100, 150, 134) < 0 || box(p, 20, 122, 104, 128) < 0 || box(p, 20, 236, 150, 246) < 0;
@@ -159,7 +160,7 @@ FlatRegions bricks(int size) {
       std::uint8_t region = 0;
       if (x < 0.5)
         region = y < 0.35 ? 0 : 1;
-      else if (std::hypot(x - 0.75, y - 0.82) > 0.1)
+      else if (math::hypot(x - 0.75, y - 0.82) > 0.1)
         region = y < 0.65 ? 2 : 3;
       result.truth(i, j) = region;
       result.image(i, j) = 40 + 60 * region;
@@ -172,9 +173,9 @@ FlatRegions nested(int size) {
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
       const double x = (i + 0.5) / size, y = (j + 0.5) / size;
-      const std::uint8_t region = std::hypot(x - 0.55, y - 0.52) < 0.18         ? 2
-                                  : std::hypot((x - 0.5) / 1.2, y - 0.5) < 0.36 ? 1
-                                                                                : 0;
+      const std::uint8_t region = math::hypot(x - 0.55, y - 0.52) < 0.18         ? 2
+                                  : math::hypot((x - 0.5) / 1.2, y - 0.5) < 0.36 ? 1
+                                                                                 : 0;
       result.truth(i, j) = region;
       result.image(i, j) = 40 + 80 * region;
     }

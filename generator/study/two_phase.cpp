@@ -5,6 +5,7 @@
 
 #include "generator/study/length.hpp"
 #include "model/error.hpp"
+#include "model/mathematics.hpp"
 
 namespace heart::study {
 namespace {
@@ -41,7 +42,7 @@ void delta_curvature(const Field& phi, const Step& step) {
   take_differences(phi, step.domain, step.w.d);
   for (int j = 0; j < phi.height; ++j)
     for (int i = 0; i < phi.width; ++i) {
-      const double norm = std::hypot(step.w.d.face_x(i, j), step.w.d.face_y(i, j));
+      const double norm = math::hypot(step.w.d.face_x(i, j), step.w.d.face_y(i, j));
       step.w.norm(i, j) = norm;
       step.w.c.x(i, j) = step.w.c.y(i, j) = gaussian_delta(phi(i, j), step.s.beta) / (norm + flat_gradient);
     }

@@ -356,6 +356,15 @@ TEST(Verify, MissingExtraAndGrownFiles) {
       problems_after("grown", [](const fs::path& f) { write_bytes(f / "LICENSE", bytes_of(f / "LICENSE") + " "); }),
       "LICENSE: size differs\n");
   EXPECT_EQ(problems_after("logs", [](const fs::path& f) { write_bytes(f / "logs/more.log", "x"); }), "");
+  EXPECT_EQ(problems_after("no_log", [](const fs::path& f) { write_bytes(f / "logs/mesh.vtu", "x"); }),
+            "logs/mesh.vtu: is not in the manifest\n");
+  EXPECT_EQ(problems_after("in_log",
+                           [](const fs::path& f) {
+                             write_bytes(f / "logs/more.log",
+                                         "\x7f"
+                                         "ELF");
+                           }),
+            "logs/more.log: is no log: it holds more than plain text\n");
 }
 
 TEST(Verify, LinksAreRefused) {
@@ -384,11 +393,47 @@ TEST(Verify, PathsThatLeaveTheFolder) {
   }
 }
 
+// What a resealed manifest says of the model is part of the id: unit, frame, tags, names, counts, which file is which.
+TEST(Verify, ContentIdCoversTheModel) {
+  const std::vector<std::function<void(nlohmann::json&)>> changes{
+      [](auto& json) { json["unit"] = "m"; },
+      [](auto& json) { json["frame"] = "RAS"; },
+      [](auto& json) { json["name"] = "other"; },
+      [](auto& json) { json["regions"]["lv_myocardium"] = 2; },
+      [](auto& json) { json["surfaces"].begin().value() = 199; },
+      [](auto& json) { json["rims"]["new_rim"] = 200; },
+      [](auto& json) { json["meshes"]["trachea"]["cells"] = 1; },
+      [](auto& json) { json["meshes"]["trachea"]["file"] = "meshes/myocardium.vtu"; },
+      [](auto& json) { json["files"][0]["sha256"] = std::string(64, '0'); },
+  };
+  for (std::size_t i = 0; i < changes.size(); ++i)
+    EXPECT_NE(problems_after("model", [&](const fs::path& f) { reseal(f, changes[i]); })
+                  .find("content_id is not that of the model"),
+              std::string::npos)
+        << i;
+  for (const char* key : {"inputs", "tools"})  // where it came from is not the model
+    EXPECT_EQ(problems_after("origin", [&](const fs::path& f) { reseal(f, [&](auto& json) { json[key].clear(); }); }),
+              "");
+}
+
+TEST(Verify, BundlesOfTheFirstSchemaKeepTheirId) {
+  const auto folder = scratch_folder("verify_first") / "out";
+  write_bundle(sample_bundle(), folder);
+  Manifest manifest = read_manifest(folder);
+  manifest.schema = first_bundle_schema;
+  manifest.content_id = content_id(manifest);
+  const auto id = manifest.content_id;
+  write_bytes(folder / "manifest.json", manifest_text(manifest));
+  EXPECT_TRUE(verify_bundle(folder).empty());
+  manifest.unit = "m";  // the files alone were covered
+  EXPECT_EQ(content_id(manifest), id);
+}
+
 TEST(Verify, ResealedManifestStillNeedsTheContentId) {
   const auto text = problems_after("id", [](const fs::path& f) {
     reseal(f, [](nlohmann::json& json) { json["content_id"] = std::string(64, '0'); });
   });
-  EXPECT_EQ(text, "manifest.json: content_id is not that of the listed files\n");
+  EXPECT_EQ(text, "manifest.json: content_id is not that of the model and its files\n");
   EXPECT_NE(problems_after("unlisted",
                            [](const fs::path& f) {
                              reseal(f, [](nlohmann::json& json) { json["meshes"]["trachea"]["file"] = "x.vtu"; });

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "generator/segment/simd.hpp"
+#include "generator/segment/row_loops.hpp"
 #include "model/error.hpp"
 #include "segment/pde_images.hpp"
 
@@ -118,11 +118,11 @@ TEST(ChanVeseFlow, HasTheSameBitsForAnyVectorLengthAndNumberOfThreads) {
         sweep_flow(image, domain, phi, 0, 1, {.mu = 0.3}, 5, alone);
         return phi.values;
       };
-      set_simd_level(Simd::plain);
+      parallel::set_simd_level(parallel::Simd::plain);
       const auto plain = run();
-      for (const Simd level : {Simd::avx2, Simd::avx512}) {
-        set_simd_level(level);
-        for (const auto& result : at_threads(run)) ASSERT_EQ(result, plain) << name_of(simd_level());
+      for (const parallel::Simd level : {parallel::Simd::avx2, parallel::Simd::avx512}) {
+        parallel::set_simd_level(level);
+        for (const auto& result : at_threads(run)) ASSERT_EQ(result, plain) << name_of(parallel::simd_level());
       }
     }
 }

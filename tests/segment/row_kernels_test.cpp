@@ -7,7 +7,7 @@
 #include "generator/segment/chan_vese.hpp"
 #include "generator/segment/filters.hpp"
 #include "generator/segment/minimal_cut.hpp"
-#include "generator/segment/simd.hpp"
+#include "generator/segment/row_loops.hpp"
 #include "segment/pde_images.hpp"
 
 namespace heart::segment {
@@ -20,11 +20,11 @@ const auto alone = parallel::self();
 /// The results of work() with the plain code and with each version that this machine has.
 template <class Work>
 void expect_same_bits(Work&& work) {
-  set_simd_level(Simd::plain);
+  parallel::set_simd_level(parallel::Simd::plain);
   const auto plain = work();
-  for (const Simd level : {Simd::avx2, Simd::avx512}) {
-    set_simd_level(level);
-    EXPECT_EQ(work(), plain) << name_of(simd_level());
+  for (const parallel::Simd level : {parallel::Simd::avx2, parallel::Simd::avx512}) {
+    parallel::set_simd_level(level);
+    EXPECT_EQ(work(), plain) << name_of(parallel::simd_level());
   }
 }
 

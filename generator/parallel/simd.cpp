@@ -1,8 +1,8 @@
-#include "generator/segment/simd.hpp"
+#include "generator/parallel/simd.hpp"
 
 #include <algorithm>
 
-namespace heart::segment {
+namespace heart::parallel {
 namespace {
 
 Simd best_level() {
@@ -15,19 +15,13 @@ Simd best_level() {
   return Simd::plain;
 }
 
-Simd& current() {
-  static Simd level = best_level();
-  return level;
-}
+Simd current = best_level();  // plain until then: the same bits
 
 }  // namespace
 
-Simd simd_level() { return current(); }
+Simd simd_level() { return current; }
 
-Simd set_simd_level(Simd level) {
-  current() = std::min(level, best_level());
-  return current();
-}
+Simd set_simd_level(Simd level) { return current = std::min(level, best_level()); }
 
 const char* name_of(Simd level) {
   switch (level) {
@@ -41,4 +35,4 @@ const char* name_of(Simd level) {
   return "plain";
 }
 
-}  // namespace heart::segment
+}  // namespace heart::parallel

@@ -1,0 +1,13 @@
+// The analytic data set as the files that a build reads.
+#pragma once
+#include <filesystem>
+
+#include "datasets/phantom/phantom.hpp"
+
+namespace heart::app {
+
+/// CT, atlas, landmarks, carotid, another patient's torso, the truth of all, and `recipe.toml`, which builds them.
+/// Files of these names are written over.
+void write_phantom(const std::filesystem::path& folder, const datasets::PhantomSettings& settings);
+
+}  // namespace heart::app

@@ -1,7 +1,9 @@
 // openCARP: points, elements (tag = region), fibre and sheet per element (zero where there is no muscle), as text
 // (.pts .elem .lon) or binary (.bpts .belem .blon); per surface the nodes (.vtx) and triangles (.surf), per rim the
 // nodes. Ids are 0-based. Its reader keeps numbers as 32-bit floats: they are written as the shortest text that gives
-// the same float. Binary files have a header of 1024 characters: counts, byte order (0: little-endian), a check number.
+// the same float. Binary files have a header of 1024 characters: counts, byte order (0: little-endian), a check number;
+// then 32-bit floats, and per element its kind (0: tetrahedron), nodes and tag as 32-bit integers. So meshtool writes
+// them: writePointsBinary, writeElementsBinary and writeFibersBinary in its io_utils.cpp.
 #include <bit>
 #include <set>
 

@@ -4,7 +4,8 @@
 //                               GlobalElementID, the tetrahedron behind the face (of two, the one of the lower id)
 //   fiber.vtu, sheet.vtu        cell array FIB_DIR, 3 × float64, one file per family; coordinate axes where there is no
 //                               muscle, because parallel or zero families are refused
-//   domain_ids.dat              a domain per tetrahedron: the region's tag, or that of the stimulated site
+//   domain_ids.dat              a domain per tetrahedron: the region's tag, or that of the stimulated site; the number
+//                               itself, no bit mask (set_dmn_id_ff in the solver's read_msh.cpp)
 // All ids are int32 and 1-based.
 #include <algorithm>
 #include <numeric>
@@ -14,6 +15,7 @@
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 #include "generator/adapters/vtk_io.hpp"
+#include "model/error.hpp"
 #include "model/labels.hpp"
 
 namespace heart::exporters {
@@ -23,6 +25,13 @@ std::vector<std::int32_t> one_to(std::size_t count) {
   std::vector<std::int32_t> ids(count);
   std::iota(ids.begin(), ids.end(), 1);
   return ids;
+}
+
+void require_domains(const TetMesh& mesh) {
+  for (const auto& [tag, name] : regions_of(mesh))
+    if (tag < 1 || tag >= stimulus_domain)
+      throw UserError(fmt::format("region {} has the number {}", name, tag), "svmultiphysics",
+                      fmt::format("its domains have numbers from 1 to {}: give the region one", stimulus_domain - 1));
 }
 
 std::filesystem::path write_volume(const std::filesystem::path& folder, const TetMesh& mesh) {
@@ -78,6 +87,7 @@ std::vector<std::size_t> outer_faces(const std::vector<FaceCells>& sides) {
 
 Files export_svmultiphysics(const ExportTask& task) {
   const TetMesh& mesh = task.mesh;
+  require_domains(mesh);
   const auto folder = task.folder / (task.mesh_name + "-mesh-complete");
   const auto sides = cells_of_faces(mesh);
   Files files = {write_volume(folder, mesh), write_domains(folder, task), write_markers(task)};

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "validation/glossary.hpp"
@@ -271,11 +272,42 @@ std::string show_link(const ReportRow& row, const ShownNames& shown) {
                      escaped(name), color_of(row.metric));
 }
 
-std::string flagged_row(const ReportRow& row, const ShownNames& shown) {
-  return fmt::format("<li class=\"{}\">{}<div><b>{}</b> {} <strong>{}{}</strong> <span>{}</span>{}</div>{}</li>\n",
-                     row.verdict() == Verdict::failed ? "fail" : "warn", status(row), words(row.scope),
-                     term(row.metric), readable(row.value), unit_text(row.unit), bound_text(row), reason_html(row),
-                     show_link(row, shown));
+using Rows = std::vector<const ReportRow*>;
+
+bool is_same_measure(const ReportRow& a, const ReportRow& b) {
+  return a.metric == b.metric && a.verdict() == b.verdict() && bound_text(a) == bound_text(b) && a.reason == b.reason;
+}
+
+/// The failed rows, then those that warn; rows of the same measure stand together.
+Rows flagged_rows(const Report& report) {
+  Rows rows;
+  for (const Verdict verdict : {Verdict::failed, Verdict::warned})
+    for (const ReportRow& row : report) {
+      if (row.verdict() != verdict) continue;
+      const auto last =
+          std::find_if(rows.rbegin(), rows.rend(), [&](const auto* r) { return is_same_measure(*r, row); });
+      rows.insert(last == rows.rend() ? rows.end() : last.base(), &row);
+    }
+  return rows;
+}
+
+std::string flagged_place(const ReportRow& row, const ShownNames& shown) {
+  return fmt::format("<p><b>{}</b> <strong>{}{}</strong>{}</p>\n", words(row.scope), readable(row.value),
+                     unit_text(row.unit), show_link(row, shown));
+}
+
+/// An entry for each measure: what it is and its bound, then the places.
+std::string flagged_list(std::span<const ReportRow* const> rows, const ShownNames& shown) {
+  std::string html = "<ul class=\"flagged\">\n";
+  for (auto row = rows.begin(); row != rows.end();) {
+    const ReportRow& first = **row;
+    html += fmt::format("<li class=\"{}\">{}<div>{} <span>{}</span>{}\n",
+                        first.verdict() == Verdict::failed ? "fail" : "warn", status(first), term(first.metric),
+                        bound_text(first), reason_html(first));
+    for (; row != rows.end() && is_same_measure(**row, first); ++row) html += flagged_place(**row, shown);
+    html += "</div></li>\n";
+  }
+  return html + "</ul>\n";
 }
 
 std::string group_title(const std::string& group) {
@@ -311,17 +343,13 @@ std::optional<double> row_value(const Report& report, std::string_view group, st
 
 std::string flagged_rows_html(const Report& report, const ShownNames& shown) {
   constexpr std::size_t most_open = 6;
-  std::string open, folded;
-  std::size_t count = 0;
-  for (const Verdict verdict : {Verdict::failed, Verdict::warned})
-    for (const ReportRow& row : report)
-      if (row.verdict() == verdict) (count++ < most_open ? open : folded) += flagged_row(row, shown);
-  if (open.empty()) return "";
-  std::string html = "<ul class=\"flagged\">\n" + open + "</ul>\n";
-  if (!folded.empty())
-    html += fmt::format("<details><summary>{} more</summary>\n<ul class=\"flagged\">\n{}</ul></details>\n",
-                        count - most_open, folded);
-  return html;
+  const Rows all = flagged_rows(report);
+  const std::span<const ReportRow* const> rows(all);
+  if (rows.empty()) return "";
+  if (rows.size() <= most_open) return flagged_list(rows, shown);
+  return flagged_list(rows.first(most_open), shown) + fmt::format("<details><summary>{} more</summary>\n{}</details>\n",
+                                                                  rows.size() - most_open,
+                                                                  flagged_list(rows.subspan(most_open), shown));
 }
 
 std::string certificate_html(const Report& report) {

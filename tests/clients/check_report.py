@@ -21,6 +21,7 @@ import time
 SIZES = {"desktop": (1440, 900), "phone": (390, 844)}
 LONGEST_PHONE_PAGE_PX = 4300
 LARGEST_PAGE_BYTES = 25e6
+HIGHEST_PICTURE_PX = 8000
 
 
 class Browser:
@@ -152,10 +153,13 @@ class Page:
 
     def screenshot(self, folder, name, whole=False):
         if folder:
-            data = self.send("Page.captureScreenshot", format="png", captureBeyondViewport=whole)["data"] if not whole \
-                else self.send("Page.captureScreenshot", format="png", captureBeyondViewport=True, clip={
-                    "x": 0, "y": 0, "width": self.width, "height": self.js("document.documentElement.scrollHeight"),
-                    "scale": 1})["data"]
+            clip = {}
+            if whole:  # a picture higher than a texture can be would show the page's top again
+                height, ratio = self.js("[document.documentElement.scrollHeight, devicePixelRatio]")
+                clip = {"captureBeyondViewport": True, "clip": {
+                    "x": 0, "y": 0, "width": self.width, "height": height,
+                    "scale": min(1, HIGHEST_PICTURE_PX / (height * ratio))}}
+            data = self.send("Page.captureScreenshot", format="png", **clip)["data"]
             (folder / f"{self.name}-{name}.png").write_bytes(base64.b64decode(data))
 
 

@@ -3,8 +3,8 @@
 
 usage: reader_rules.py EXPORTS
 
-EXPORTS holds a folder per format. Every mesh in it is read as those programs would; then copies are spoiled, each in one
-way, and must be refused. Exit code 0: all read, all spoiled ones refused; 1: not so; 77: VTK is missing.
+EXPORTS holds a folder per format. Every mesh in it is read as those programs would; then copies of one mesh per format
+are spoiled, each in one way, and must be refused. Exit code 0: all read, all spoiled ones refused; 1: not so; 77: VTK is missing.
 """
 import glob
 import os
@@ -202,7 +202,8 @@ def svmultiphysics(folder):
     demand((int32(volume.GetCellData(), "GlobalElementID", "the volume") == np.arange(len(cells)) + 1).all(), "GlobalElementID")
     demand(int32(volume.GetCellData(), "DOMAIN_ID", "the volume").min() >= 1, "DOMAIN_ID below 1")
     domains = np.array(lines_of(os.path.join(folder, "domain_ids.dat")), dtype=int)
-    demand(len(domains) == len(cells) and domains.min() >= 1, "domain_ids.dat: not a domain from 1 per element")
+    demand(len(domains) == len(cells), "domain_ids.dat: not a domain per element")
+    demand(domains.min() >= 1 and domains.max() <= 31, "domain_ids.dat: a domain that is no bit of 32 from 1")
     for path in glob.glob(os.path.join(folder, "mesh-surfaces", "*.vtp")) + [os.path.join(folder, "mesh-complete.exterior.vtp")]:
         face = vtk_read(path)
         where = os.path.basename(path)
@@ -316,6 +317,21 @@ def febio(path):
         axes = np.array([[row.find(k).text.split(",") for k in "ad"] for row in data], dtype=float)
         demand([int(row.get("lid")) for row in data] == list(range(1, sizes[data.get("elem_set")] + 1)), "mat_axis: lid")
         demand_axes(axes, 1e-6, False)
+    if os.path.exists(deck_of(path)):
+        febio_deck(xml.parse(deck_of(path)).getroot(), set(sizes), names)
+
+
+def febio_deck(root, parts, surfaces):
+    """Sections in the order in which they are needed; the properties that a version 4.0 file must name."""
+    order = [section.tag for section in root]
+    demand(order[0] == "Module", "the deck does not begin with Module")
+    demand(order.index("Material") < order.index("MeshDomains") < order.index("MeshData"), "the deck's order")
+    demand(root.find("Control/solver") is not None, "Control: the required property solver is missing")
+    for material in root.iter("material"):
+        demand(material.get("type") != "trans iso Mooney-Rivlin" or material.find("fiber") is not None, "material: the required property fiber is missing")
+    demand({domain.get("name") for domain in root.iter("SolidDomain")} == parts, "MeshDomains: not the mesh's parts")
+    named = [bc.get("node_set") for bc in root.iter("bc")] + [load.get("surface") for load in root.iter("surface_load")]
+    demand(named and set(named) <= set(surfaces), "the deck names a surface that is not there")
 
 
 def mfem(path):
@@ -401,6 +417,10 @@ def cut_bytes(path, count):
         stream.truncate(os.path.getsize(path) - count)
 
 
+def deck_of(feb):
+    return feb[: -len(".feb")] + "_inflate.feb"
+
+
 def first(pattern):
     return sorted(glob.glob(pattern))[0]
 
@@ -429,6 +449,7 @@ SPOILED = {
         ("0-based GlobalElementID", lambda f: with_array(f + "/mesh-complete.exterior.vtp", "GlobalElementID", lambda v: v - 1)),
         ("no DOMAIN_ID", lambda f: without_array(f + "/mesh-complete.mesh.vtu", "DOMAIN_ID")),
         ("a domain 0", lambda f: edit(f + "/domain_ids.dat", in_line(0, lambda r: "0"))),
+        ("a domain 99", lambda f: edit(f + "/domain_ids.dat", in_line(0, lambda r: "99"))),
         ("zero fibres", lambda f: with_array(f + "/fiber.vtu", "FIB_DIR", lambda v: 0 * v)),
         ("fibre and sheet parallel", lambda f: shutil.copy(f + "/fiber.vtu", f + "/sheet.vtu")),
         ("fibres of 32 bits", lambda f: with_array(f + "/fiber.vtu", "FIB_DIR", lambda v: v.astype(np.float32))),
@@ -443,6 +464,9 @@ SPOILED = {
     febio: [
         ("an element turned inside out", lambda p: edit(p, lambda t: re.sub(r'(<elem id="1">)(\d+),(\d+),', r"\1\3,\2,", t))),
         ("axes for a part that is not there", lambda p: edit(p, lambda t: t.replace('elem_set="lv', 'elem_set="xx'))),
+        ("a step without its solver", lambda p: edit(deck_of(p), lambda t: re.sub(r"<solver.*?</solver>", "", t, flags=re.S))),
+        ("a material without its fibre", lambda p: edit(deck_of(p), lambda t: re.sub(r"<fiber.*?</fiber>", "", t))),
+        ("a load on a surface that is not there", lambda p: edit(deck_of(p), lambda t: t.replace('surface="', 'surface="xx_'))),
     ],
     mfem: [
         ("a boundary attribute 0", lambda p: edit(p, lambda t: re.sub(r"(boundary\n\d+\n)\d+ ", r"\g<1>0 ", t))),
@@ -494,6 +518,8 @@ def main(exports):
             failures.append(f"{name}: {type(error).__name__}: {error}")
     for reader, cases in SPOILED.items():
         arguments = [a for r, a in meshes_in(exports) if r is reader]
+        if not arguments:
+            continue
         argument = next((a for a in arguments if os.path.basename(a).startswith("myocardium")), arguments[0])
         for what, spoil in cases:
             spoiled += 1

@@ -1,5 +1,6 @@
 #include "exporters/decks.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "exporters/cut.hpp"
@@ -67,6 +68,24 @@ TEST(Decks, TheSiteIsOnTheLeftOfTheSeptum) {
   EXPECT_LT(site.x, -10) << "the right ventricle lies on the -x side";
   EXPECT_GT(site.x, -30);
   EXPECT_NE(std::find(heart.nodes_mm.begin(), heart.nodes_mm.end(), site), heart.nodes_mm.end());
+}
+
+/// The solver tells 31 domains apart and takes none below 1.
+TEST(Decks, RegionsThatSvMultiPhysicsCannotTellApartAreRefused) {
+  const auto folder = scratch_folder("decks_domains");
+  const auto refusal = [&](std::int32_t own_tag) {
+    TetMesh mesh = two_region_mesh(1);
+    mesh.region.assign(mesh.region.size(), own_tag);
+    mesh.names[{3, own_tag}] = "mine";
+    return testing::error_of([&] { export_mesh("svmultiphysics", mesh, "m", folder); });
+  };
+  for (const std::int32_t own_tag : {-1, 0, 30, 42, 99}) {
+    const std::string text = refusal(own_tag);
+    EXPECT_NE(text.find(fmt::format("mine has the number {}", own_tag)), std::string::npos) << text;
+    EXPECT_NE(text.find("from 1 to 29"), std::string::npos) << text;
+    EXPECT_TRUE(fs::is_empty(folder)) << "nothing is half written";
+  }
+  for (const std::int32_t own_tag : {1, 29}) EXPECT_EQ(refusal(own_tag), "");
 }
 
 /// By the real programs where they are installed: make test-clients installs them.

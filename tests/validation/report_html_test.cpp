@@ -1,5 +1,6 @@
 #include "validation/report_html.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -129,6 +130,28 @@ TEST(ReportHtml, FlaggedRowsTellWhyAndLeadToTheirPlace) {
   expect_all(html, {"data-show=\"lv_myocardium\" data-color=\"quality\"", "guarantees &lt;30&gt; degrees",
                     "data-term=\"dihedral_min\"", "id=\"term-dihedral_min\"", "id=\"term-jacobian_min\""});
   EXPECT_EQ(count_of(html, "data-show=\""), 1u) << "the view cannot show an atlas";
+}
+
+TEST(ReportHtml, FlaggedRowsOfOneMeasureShareItsBoundAndReason) {
+  Told example;
+  const auto row = [](const char* scope, const char* metric, double value, double at_least) {
+    ReportRow made{"mesh", scope, metric, value, "1", at_least, {}, at_least + 2};
+    made.reason = fmt::format("Reason of {}.", metric);
+    return made;
+  };
+  example.certificate.rows = {row("w/a", "one", 4, 3), row("w/b", "two", 4, 3), row("w/c", "one", 4, 3),
+                              row("w/d", "one", 1, 3), row("w/e", "one", 4, 3.5)};
+  std::string html = example.html();
+  html = html.substr(html.find("<ul class=\"flagged\">"));
+  html = html.substr(0, html.find("</ul>"));
+  EXPECT_EQ(count_of(html, "<li"), 4u) << "a failure, and another bound, stand alone";
+  EXPECT_EQ(count_of(html, "Reason of one."), 3u);
+  std::vector<std::size_t> places;
+  for (const char* place : {"<b>w/d</b>", "<b>w/a</b>", "<b>w/c</b>", "<b>w/b</b>", "<b>w/e</b>"}) {
+    EXPECT_EQ(count_of(html, place), 1u) << place;
+    places.push_back(html.find(place));
+  }
+  EXPECT_TRUE(std::is_sorted(places.begin(), places.end())) << "failures first, then by measure";
 }
 
 TEST(ReportHtml, ManyFlaggedRowsAreFolded) {

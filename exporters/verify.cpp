@@ -40,7 +40,7 @@ void check_mesh_entries(const Manifest& manifest, const std::set<std::string>& l
 }  // namespace
 
 std::vector<Problem> verify_bundle(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw UserError("no such folder", folder.string(), "name the folder of a bundle");
+  require_bundle_folder(folder);
   Manifest manifest;
   try {
     manifest = read_manifest(folder);

@@ -132,7 +132,7 @@ std::string write_bundle(const Bundle& bundle, const fs::path& folder, Existing 
 }
 
 Manifest read_manifest(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw UserError("no such folder", folder.string(), "name the folder of a bundle");
+  require_bundle_folder(folder);
   const fs::path path = folder / "manifest.json";
   if (!fs::exists(path))
     throw UserError("there is no manifest.json in it", folder.string(), "name the folder of a bundle");

@@ -7,16 +7,34 @@
 #include <iterator>
 
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 
 namespace heart::exporters {
 
 std::string read_text(const std::filesystem::path& path) {
+  require_input_file(path);
   std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path))
-    throw UserError("no such file, or no right to read it", path.string(), "");
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (stream.bad()) throw UserError("reading failed halfway", path.string(), "");
   return text;
+}
+
+void require_bundle_folder(const std::filesystem::path& folder) {
+  if (std::filesystem::is_directory(folder)) return;
+  const auto old = hidden_sibling(folder, "old");
+  throw UserError(std::filesystem::exists(folder) ? "is no folder" : "no such folder", folder.string(),
+                  std::filesystem::exists(old / "manifest.json")
+                      ? fmt::format("a run that was stopped left a bundle as {}: rename it", old.string())
+                      : "name the folder of a bundle");
+}
+
+const std::string& in_file_name(const std::string& name) {
+  const bool leaves = name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos ||
+                      std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+  if (leaves)
+    throw UserError("\"" + name + "\" cannot be part of a file's name", "export",
+                    "rename it, or take a format that keeps everything in one file");
+  return name;
 }
 
 bool is_safe_path(const std::string& path) {

@@ -9,6 +9,12 @@ namespace heart::exporters {
 /// Throws UserError when the file is missing or cannot be read.
 std::string read_text(const std::filesystem::path& path);
 
+/// Throws UserError where there is no such folder, and tells of a bundle that a stopped run left aside.
+void require_bundle_folder(const std::filesystem::path& folder);
+
+/// The name, which becomes part of a file's name. Throws UserError where the file would then lie elsewhere.
+const std::string& in_file_name(const std::string& name);
+
 /// Relative, without empty, "." or ".." parts, back slashes or control characters: it cannot leave its folder.
 bool is_safe_path(const std::string& path);
 

@@ -10,6 +10,7 @@
 #include "model/error.hpp"
 #include "model/feature_curves.hpp"
 #include "model/labels.hpp"
+#include "model/printable.hpp"
 
 namespace heart::exporters {
 
@@ -123,6 +124,19 @@ Manifest manifest_from(const Json& json) {
   return m;
 }
 
+/// What a manifest names becomes names of files, and is printed.
+void refuse_hostile_names(const Json& json, const std::string& path) {
+  const auto refuse = [&](const std::string& what) {
+    throw UserError("malformed manifest: " + what, path, "do not use this bundle: heartgen did not write it");
+  };
+  for (const auto& [name, mesh] : json.at("meshes").items())
+    if (!is_safe_path(name) || name.find('/') != std::string::npos) refuse("'" + name + "' cannot be a mesh's name");
+  const Json flat = json.flatten();
+  for (const auto& [key, value] : flat.items())
+    if (!is_printable(key) || (value.is_string() && !is_printable(value.get<std::string>())))
+      refuse("it holds control characters");
+}
+
 }  // namespace
 
 bool is_covered(const std::string& path) {
@@ -151,16 +165,18 @@ Manifest describe_bundle(const Bundle& bundle) {
   m.schema = bundle_schema;
   m.name = bundle.name;
   m.version = bundle.version;
-  m.license = bundle.license;
-  m.author = bundle.author;
+  m.license = printable(bundle.license);
+  m.author = printable(bundle.author);
   m.date_published = bundle.date_published;
-  m.atlas = bundle.atlas;
+  m.atlas = printable(bundle.atlas);
   m.unit = "mm";
   m.frame = "LPS";
   m.inputs = bundle.inputs;
+  for (auto& input : m.inputs) input.name = printable(input.name);
   m.tools = bundle.tools;
   m.torso_from_heart = bundle.torso_from_heart;
   m.warnings = bundle.certificate.warnings;
+  for (auto& warning : m.warnings) warning.text = printable(warning.text);
   m.uses = bundle.certificate.uses;
   std::array<bool, 256> in_labels{};
   for (const auto voxel : bundle.labels.voxels) in_labels[voxel] = true;
@@ -187,10 +203,12 @@ std::string manifest_text(const Manifest& manifest) {
 Manifest parse_manifest(const std::string& text, const std::string& path) {
   const std::string remedy = "is this the folder of a bundle, and is it whole?";
   try {
-    Manifest manifest = manifest_from(Json::parse(text));
+    const Json json = Json::parse(text);
+    Manifest manifest = manifest_from(json);
     if (manifest.schema != bundle_schema && manifest.schema != first_bundle_schema)
       throw UserError("schema '" + manifest.schema + "' is not known to this version", path, "use a newer heartgen");
     if (manifest_text(manifest) != text) throw UserError("has been altered: manifest_sha256 differs", path, remedy);
+    refuse_hostile_names(json, path);
     return manifest;
   } catch (const Json::exception& error) {
     throw UserError(std::string("malformed manifest: ") + error.what(), path, remedy);

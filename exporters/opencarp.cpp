@@ -7,6 +7,7 @@
 #include <bit>
 #include <set>
 
+#include "exporters/files.hpp"
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
@@ -33,14 +34,14 @@ std::filesystem::path named(const ExportTask& task, const std::string& ending) {
 
 template <class Ids>
 std::filesystem::path write_vtx(const ExportTask& task, const std::string& name, const Ids& ids) {
-  OutFile file(named(task, "_" + name + ".vtx"));
+  OutFile file(named(task, "_" + in_file_name(name) + ".vtx"));
   file.print(FMT_COMPILE("{}\nextra\n"), ids.size());
   for (const auto id : ids) file.print(FMT_COMPILE("{}\n"), id);
   return file.close();
 }
 
 std::filesystem::path write_surf(const ExportTask& task, const std::string& name, const std::vector<std::size_t>& ids) {
-  OutFile file(named(task, "_" + name + ".surf"));
+  OutFile file(named(task, "_" + in_file_name(name) + ".surf"));
   file.print(FMT_COMPILE("{}\n"), ids.size());
   for (const auto f : ids) {
     const Face& n = task.mesh.faces[f];

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "exporters/decks.hpp"
+#include "exporters/files.hpp"
 #include "exporters/formats.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -93,6 +94,7 @@ Files export_mesh(std::string_view format, const TetMesh& mesh, const std::strin
   const ExportFormat& chosen = find_format(format);
   if (unit.empty()) unit = chosen.unit;
   const double scale = unit_scale(unit);
+  in_file_name(mesh_name);
   if (mesh.cells.empty())
     throw UserError("mesh '" + mesh_name + "' has no cells", "export", "shorter edges keep what is small or thin");
   std::error_code error;

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <string>
 
 namespace heart::exporters {
 
@@ -11,11 +12,14 @@ enum class Existing { refuse, replace };
 struct ReservedPlace {
   std::filesystem::path folder;   ///< where the bundle will stand; absolute, without a trailing slash
   std::filesystem::path partial;  ///< empty sibling folder in which it is prepared
+  std::string remark;             ///< what a killed run had left and was put right, for the user; mostly empty
   std::shared_ptr<void> claim;    ///< with the last copy of it goes the lock, and `partial` where it still is
 };
 
-/// To be called before the work whose result comes there. Throws UserError when `folder` exists and is not a bundle, or
-/// is one and `existing` is refuse, when nothing can be written beside it, or when another run holds the place.
+/// To be called before the work whose result comes there. A bundle that a killed run left beside its place, as
+/// ".NAME.old", is put back. Throws UserError when `folder` exists and is not a bundle, or is one and `existing` is
+/// refuse, when it holds what was not written with the bundle, when nothing can be written beside it, or when another
+/// run holds the place.
 ReservedPlace reserve_place(const std::filesystem::path& folder, Existing existing);
 
 /// Puts `place.partial` at `place.folder` in one step where the file system can; an older bundle there is removed after

@@ -6,6 +6,7 @@
 
 #include "exporters/bundle.hpp"
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 
 namespace heart::exporters {
 namespace {
@@ -34,9 +35,8 @@ class Sha256 {
 }  // namespace
 
 std::string sha256_of_file(const std::filesystem::path& path) {
+  require_input_file(path);
   std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path))
-    throw UserError("no such file, or no right to read it", path.string(), "");
   Sha256 sha;
   std::vector<char> block(1 << 20);
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)

@@ -2,6 +2,7 @@
 // (binary, 64-bit), OBJ (text), VTP. Triangles look out of the mesh, between two regions out of the lower one.
 #include <algorithm>
 
+#include "exporters/files.hpp"
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 #include "generator/adapters/vtk_io.hpp"
@@ -76,7 +77,7 @@ Files each_surface(const ExportTask& task, const char* extension, const Write& w
   Files files;
   const auto names = surfaces_of(task.mesh);
   for (const auto& [tag, faces] : faces_by_surface(task.mesh))
-    files.push_back(write(task.folder / (task.mesh_name + "_" + names.at(tag) + extension), faces));
+    files.push_back(write(task.folder / (task.mesh_name + "_" + in_file_name(names.at(tag)) + extension), faces));
   return files;
 }
 

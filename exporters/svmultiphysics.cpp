@@ -12,6 +12,7 @@
 
 #include "exporters/adjacency.hpp"
 #include "exporters/decks.hpp"
+#include "exporters/files.hpp"
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 #include "generator/adapters/vtk_io.hpp"
@@ -99,7 +100,7 @@ Files export_svmultiphysics(const ExportTask& task) {
   files.push_back(write_patch(folder / "mesh-complete.exterior.vtp", mesh, outer_faces(sides), sides));
   const auto names = surfaces_of(mesh);
   for (const auto& [tag, faces] : faces_by_surface(mesh))
-    files.push_back(write_patch(folder / "mesh-surfaces" / (names.at(tag) + ".vtp"), mesh, faces, sides));
+    files.push_back(write_patch(folder / "mesh-surfaces" / (in_file_name(names.at(tag)) + ".vtp"), mesh, faces, sides));
   return files;
 }
 

@@ -59,7 +59,7 @@ std::string defect_of_unlisted(const fs::path& folder, const std::string& path) 
 }  // namespace
 
 std::vector<Problem> verify_bundle(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw UserError("no such folder", folder.string(), "name the folder of a bundle");
+  require_bundle_folder(folder);
   Manifest manifest;
   try {
     manifest = read_manifest(folder);

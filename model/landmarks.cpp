@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
@@ -81,8 +82,8 @@ Landmarks parse_landmarks(const std::string& json_text, const std::string& where
 }
 
 Landmarks read_landmarks(const std::string& path) {
+  require_input_file(path);
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw UserError("landmarks file does not exist", path, "check the path");
   std::ostringstream text;
   text << file.rdbuf();
   return parse_landmarks(text.str(), path);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 #include "model/labels.hpp"
 #include "model/text.hpp"
 
@@ -319,7 +320,7 @@ ValidationSettings bounds_of(const Recipe& recipe) {
 }
 
 Recipe read_recipe(const std::string& path) {
-  if (!fs::is_regular_file(path)) throw UserError("recipe does not exist", path, "check the path");
+  require_input_file(path);
   toml::table table;
   try {
     table = toml::parse_file(path);

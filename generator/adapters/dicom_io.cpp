@@ -17,6 +17,7 @@
 
 #include "generator/adapters/itk_volume.hpp"
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 #include "model/quantile.hpp"
 
 namespace heart::adapters {
@@ -143,7 +144,9 @@ void check_stack(const Stack& stack, const std::string& folder) {
 void refuse_cut_off_headers(const std::string& folder) {
   constexpr std::uintmax_t length_at = 140, first_group_at = 144;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (!entry.is_regular_file() || !is_dicom_file(entry.path().string())) continue;
+    if (entry.is_directory() || !entry.exists()) continue;
+    require_input_file(entry.path(), "take it out of the folder");
+    if (!is_dicom_file(entry.path().string())) continue;
     std::array<unsigned char, 4> bytes{};
     std::ifstream file(entry.path(), std::ios::binary);
     file.seekg(length_at).read(reinterpret_cast<char*>(bytes.data()), bytes.size());

@@ -27,6 +27,7 @@
 #include "generator/adapters/meta_image.hpp"
 #include "generator/adapters/nifti_io.hpp"
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 #include "model/new_file.hpp"
 #include "model/text.hpp"
 
@@ -140,11 +141,18 @@ void check_extent(const Grid& grid, const std::string& path) {
 
 bool is_nifti(const std::string& path) { return path.ends_with(".nii") || path.ends_with(".nii.gz"); }
 
-/// The library takes this frame for another one, turned by 180 degrees about the third axis.
-void refuse_las_frame(const std::string& path) {
+/// The library takes the frame left-anterior-superior for another one, turned by 180 degrees about the third axis, and
+/// reads voxels from whatever the header names.
+void check_nrrd_header(const std::string& path) {
   constexpr std::string_view key = "space:";
   std::ifstream file(path, std::ios::binary);
   for (std::string line; std::getline(file, line) && !line.empty() && line != "\r";) {
+    for (const std::string_view data_key : {"data file: ", "datafile: "})
+      if (line.starts_with(data_key)) {
+        const auto data =
+            fs::path(path).parent_path() / line.substr(data_key.size(), line.find('\r') - data_key.size());
+        if (fs::exists(data)) require_input_file(data);
+      }
     if (!line.starts_with(key)) continue;
     std::string space;
     for (const char c : line.substr(key.size()))
@@ -157,7 +165,7 @@ void refuse_las_frame(const std::string& path) {
 }
 
 itk::ImageIOBase::Pointer open_header(const std::string& path) {
-  if (path.ends_with(".nrrd")) refuse_las_frame(path);
+  if (path.ends_with(".nrrd")) check_nrrd_header(path);
   const auto io = itk::ImageIOFactory::CreateImageIO(path.c_str(), itk::ImageIOFactory::ReadMode);
   if (!io && is_dicom_file(path))
     throw UserError("is one file of a DICOM series", path, "name the folder that holds the series and nothing else");
@@ -218,7 +226,7 @@ class QuietLibraries {
 };
 
 Volume<float> read_any(const std::string& path, bool allow_2d) {
-  if (!fs::exists(path)) throw UserError("does not exist", path, "check the path");
+  if (!fs::is_directory(path)) require_input_file(path);
   register_formats();
   const QuietLibraries quiet;
   Volume<float> volume;
@@ -349,6 +357,10 @@ bool is_whole_nifti(const std::string& path, std::uintmax_t voxel_bytes) {
   return file && bytes == static_cast<std::uint32_t>(header_bytes + voxel_bytes);
 }
 
+UserError no_room(const std::string& path) {
+  return {"cannot be written", path, "is there room on the disk, and the right to write there?"};
+}
+
 /// `file` is what becomes `path`.
 void check_written(const std::string& file, const std::string& path, std::uintmax_t voxel_bytes) {
   bool whole = true;
@@ -358,17 +370,12 @@ void check_written(const std::string& file, const std::string& path, std::uintma
   } catch (const UserError&) {
     whole = false;
   }
-  if (!whole) throw UserError("cannot be written", path, "is there room on the disk, and the right to write there?");
+  if (!whole) throw no_room(path);
 }
 
 template <class T>
-void write(const std::string& path, const Volume<T>& volume) {
-  check_image_output(path);
-  NewFile whole(path);
-  // A .mhd names the file of its voxels, so that it cannot get another name.
-  const std::string file = path.ends_with(".mhd") ? path : whole.partial.string();
-  register_formats();
-  const auto image = Image<T>::New();
+typename Image<T>::Pointer itk_image(const Volume<T>& volume) {
+  auto image = Image<T>::New();
   typename Image<T>::SizeType size;
   typename Image<T>::SpacingType spacing;
   typename Image<T>::PointType origin;
@@ -386,9 +393,17 @@ void write(const std::string& path, const Volume<T>& volume) {
   image->SetDirection(direction);
   image->Allocate();
   std::copy(volume.voxels.begin(), volume.voxels.end(), image->GetBufferPointer());
+  return image;
+}
+
+/// Writes `file`, which becomes `path`.
+template <class T>
+void write_file(const std::string& file, const std::string& path, const Volume<T>& volume) {
+  register_formats();
+  const QuietLibraries quiet;
   const auto writer = itk::ImageFileWriter<Image<T>>::New();
   writer->SetFileName(file);
-  writer->SetInput(image);
+  writer->SetInput(itk_image(volume));
   writer->SetUseCompression(!path.ends_with(".nii"));
   try {
     writer->Update();
@@ -397,7 +412,30 @@ void write(const std::string& path, const Volume<T>& volume) {
                     "is there room on the disk, and the right to write there?");
   }
   check_written(file, path, volume.voxels.size() * sizeof(T));
-  if (file != path) whole.finish();
+}
+
+/// A header and, beside it, its voxels: written under the names that they have aside, the header then told the voxels'
+/// own name. Last both take their places, one right after the other.
+template <class T>
+void write_pair(const std::string& path, const Volume<T>& volume) {
+  constexpr const char* voxels_ending = ".zraw";
+  NewFile header(path);
+  NewFile voxels(fs::path(header.place).replace_extension(voxels_ending));
+  if (voxels.partial != fs::path(header.partial).replace_extension(voxels_ending))
+    throw UserError("cannot be written: " + voxels.partial.string() + " is in the way", path, "remove that file");
+  write_file(header.partial.string(), path, volume);
+  if (!point_to_voxels(header.partial.string(), voxels.place.filename().string())) throw no_room(path);
+  voxels.finish();
+  header.finish();
+}
+
+template <class T>
+void write(const std::string& path, const Volume<T>& volume) {
+  check_image_output(path);
+  if (path.ends_with(".mhd")) return write_pair(path, volume);
+  NewFile whole(path);
+  write_file(whole.partial.string(), path, volume);
+  whole.finish();
 }
 
 }  // namespace
@@ -451,8 +489,10 @@ LabelVolume read_labels(const std::string& path) {
 }
 
 LabelImage read_label_image(const std::string& path) {
-  if (!path.ends_with(".nrrd") || !fs::is_regular_file(path)) return {{whole_numbers(read_any(path, false), path)}, {}};
+  if (!path.ends_with(".nrrd") || fs::is_directory(path)) return {{whole_numbers(read_any(path, false), path)}, {}};
+  require_input_file(path);
   register_formats();
+  const QuietLibraries quiet;
   try {
     return read_segmentation(path);
   } catch (const itk::ExceptionObject& error) {
@@ -463,7 +503,7 @@ LabelImage read_label_image(const std::string& path) {
 Volume<float> read_image(const std::string& path) { return read_any(path, true); }
 
 ComponentImage read_components(const std::string& path) {
-  if (!fs::exists(path)) throw UserError("does not exist", path, "check the path");
+  require_input_file(path);
   register_formats();
   const QuietLibraries quiet;
   try {

@@ -5,8 +5,11 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <string_view>
 
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 
 namespace heart::adapters {
 namespace {
@@ -41,10 +44,22 @@ void check_meta_image(const std::string& path, std::uintmax_t voxel_bytes, const
   }
   const bool local = data_file == "LOCAL";
   const fs::path data = local ? fs::path(path) : fs::path(path).parent_path() / data_file;
-  if (data_file == "LIST" || !fs::is_regular_file(data)) return;
+  if (data_file == "LIST" || !fs::exists(data) || fs::is_directory(data)) return;
+  require_input_file(data, remedy);
   const auto start = local ? static_cast<std::uintmax_t>(header.tellg()) : 0;
   if (fs::file_size(data) < start + expected)
     throw UserError(local ? "is truncated" : fmt::format("its voxels in {} are truncated", data_file), path, remedy);
+}
+
+bool point_to_voxels(const std::string& header, const std::string& voxels_file) {
+  constexpr std::string_view key = "ElementDataFile = ";
+  std::ostringstream text;
+  text << std::ifstream(header, std::ios::binary).rdbuf();
+  const std::string before = text.str();
+  const auto at = before.rfind(key);
+  std::ofstream file(header, std::ios::binary | std::ios::trunc);
+  file << before.substr(0, at) << key << voxels_file << "\n";
+  return at != std::string::npos && file.flush().good();
 }
 
 }  // namespace heart::adapters

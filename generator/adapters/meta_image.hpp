@@ -12,4 +12,7 @@ bool is_meta_image(const std::string& path);
 /// or in a file of a named pattern are left to ITK.
 void check_meta_image(const std::string& path, std::uintmax_t voxel_bytes, const char* remedy);
 
+/// Sets the name of the file, beside the header, that holds its voxels. False when it cannot be written.
+bool point_to_voxels(const std::string& header, const std::string& voxels_file);
+
 }  // namespace heart::adapters

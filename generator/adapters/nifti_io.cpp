@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <memory>
 #include <vector>
 
@@ -119,9 +120,19 @@ bool is_version_2(const std::string& path) {
   return length == version_2_bytes || swapped == version_2_bytes;
 }
 
-NiftiImage read_header(const std::string& path) {
+/// Without the lines that the library prints of some faults, whatever its level: ours says that the header is damaged.
+NiftiImage library_header(const std::string& path) {
+  static std::FILE* const nowhere = std::fopen("/dev/null", "w");
+  std::FILE* const usual = stderr;
+  if (nowhere != nullptr) stderr = nowhere;
   nifti_set_debug_level(0);
   NiftiImage image(nifti_image_read(path.c_str(), 0), &nifti_image_free);
+  stderr = usual;
+  return image;
+}
+
+NiftiImage read_header(const std::string& path) {
+  NiftiImage image = library_header(path);
   if (!image && is_version_2(path))
     throw UserError("is of version 2 of the NIfTI format, which is not read", path, "save it as NIfTI-1 or as .nrrd");
   if (!image) throw UserError("is no NIfTI file, or its header is damaged", path, "is it complete and undamaged?");

@@ -24,17 +24,13 @@
 #include "generator/adapters/vtk_guard.hpp"
 #include "generator/adapters/vtk_io.hpp"
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 
 namespace heart::adapters {
 namespace {
 
 [[noreturn]] void fail_reading(const std::filesystem::path& path, const std::string& problem) {
   throw UserError(problem, path.string(), "is the file complete and of the kind its name says?");
-}
-
-void require_file(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) throw UserError("is a folder, not a file", path.string(), "");
-  if (!std::ifstream(path).good()) throw UserError("no such file, or no right to read it", path.string(), "");
 }
 
 /// An array by name with its shape checked, or nullptr when there is none.
@@ -96,7 +92,7 @@ std::array<std::int32_t, N> read_cell(const std::filesystem::path& path, vtkCell
 
 template <class Reader, class Data>
 vtkSmartPointer<Data> read_with(const std::filesystem::path& path, const std::function<void(Reader*)>& set_up = {}) {
-  require_file(path);
+  require_input_file(path);
   refuse_absurd_counts(path);
   vtkNew<Reader> reader;
   if (set_up) set_up(reader);
@@ -191,7 +187,7 @@ void count_other(vtkUnstructuredGrid* grid, vtkIdType cell, OtherCells& other) {
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> read_grid(const std::filesystem::path& path) {
-  require_file(path);
+  require_input_file(path);
   std::string start(256, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(start.data(), static_cast<std::streamsize>(start.size()));

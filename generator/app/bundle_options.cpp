@@ -35,7 +35,7 @@ void add_build(Program& p) {
                   "folder for the results of the image stages, to correct and give back in [replace] of the recipe");
   sub->add_flag("--accept-doubtful", p.build.accept_doubtful,
                 "go on where what was found in the CT can hardly be a heart, and mark the bundle: it fails (exit 3)");
-  sub->add_flag("--force", p.build.force, "replace an existing bundle");
+  sub->add_flag("--force", p.build.force, "replace an existing bundle; refused where its folder holds other files");
   sub->add_flag(
       "--no-cache", p.build.no_cache,
       "neither read nor keep results of stages. OUTPUT.cache holds those of the last finished build and of "

@@ -25,6 +25,7 @@
 #include "generator/segment/hierarchy.hpp"
 #include "generator/segment/seeds.hpp"
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 #include "model/labels.hpp"
 #include "model/text.hpp"
 #include "validation/uses.hpp"
@@ -92,8 +93,8 @@ void check_date(const std::string& date) {
 void check_files_exist(const Recipe& recipe) {
   const auto require = [](const char* section) {
     return [section](const char* key, const std::string& path, const char*) {
-      if (!path.empty() && !fs::exists(path))
-        throw UserError("does not exist", path, fmt::format("check {}.{}", section, key));
+      if (!path.empty() && !fs::is_directory(path))
+        require_input_file(path, fmt::format("check {}.{}", section, key).c_str());
     };
   };
   InputSettings::describe_files(require("input"), recipe.input);

@@ -16,12 +16,14 @@
 #include <thread>
 
 #include "generator/app/options.hpp"
+#include "generator/app/output.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/app/watch.hpp"
 #include "generator/parallel/simd.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/text.hpp"
+#include "model/unfinished.hpp"
 
 namespace {
 
@@ -71,6 +73,12 @@ int run(Program& p) {
   return p.chosen();
 }
 
+/// One line, whatever the file names in it hold.
+void say(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  fmt::print(stderr, "heartgen: {}\n", text);
+}
+
 /// CLI11 has exit codes of its own; ours are 0 for --help and 2 for a mistake.
 int parse_failed(Program& p, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return p.comm.is_root() ? p.app.exit(error) : 0;
@@ -80,14 +88,15 @@ int parse_failed(Program& p, const CLI::ParseError& error) {
     for (const auto* command : p.app.get_subcommands({})) names.push_back(command->get_name());
     what = fmt::format("unknown command \"{}\": did you mean \"{}\"?", left.front(), nearest_name(left.front(), names));
   }
-  if (p.comm.is_root()) fmt::print(stderr, "heartgen: {} (heartgen --help shows the commands)\n", what);
+  if (p.comm.is_root()) say(what + " (heartgen --help shows the commands)");
   return exit_user;
 }
 
 /// Of the exception that is being handled: its message, and its exit code. What the machine lacks is no defect.
 int explained(bool speaks) {
+  wait_where_stopped();  // what fails because a signal took its files away is not told
   const auto tell = [&](const std::string& text) {
-    if (speaks) fmt::print(stderr, "heartgen: {}\n", text);
+    if (speaks) say(text);
   };
   try {
     throw;
@@ -108,6 +117,7 @@ int command_line(int argc, char** argv) {
   const parallel::Environment environment(&argc, &argv);
   Program p;
   p.comm = parallel::world();
+  if (!p.comm.is_root()) say_nothing_when_stopped();
   p.app.set_version_flag("--version", program_version());
   p.app.require_subcommand(1);
   p.app.add_option("--threads", p.threads, "threads per process (default: all)");
@@ -146,10 +156,17 @@ int main(int argc, char** argv) {
   keep_freed_memory();
   std::setlocale(LC_ALL, "C");
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the system's limit ends in a message, as on a full disk
+  begin_output();
+  watch_signals();
+  int code = exit_defect;
   try {
-    return command_line(argc, argv);
+    code = command_line(argc, argv);
   } catch (...) {  // what is thrown before a command runs or while its message is printed; nothing may leave main
     std::fputs("heartgen: internal error\n", stderr);
-    return exit_defect;
   }
+  const auto unwritten = finish_output();
+  if (unwritten.empty()) return code;
+  say(UserError(fmt::format("cannot be written: {}", unwritten), "standard output", "is there room on the disk?")
+          .message);
+  return exit_user;
 }

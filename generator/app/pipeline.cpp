@@ -294,6 +294,22 @@ StageFiles stage_files(const Recipe& recipe, const BuildOptions& options) {
 /// Of landmarks that are refused.
 fs::path picture_beside(const BuildOptions& options) { return fs::path(options.output.string() + ".landmarks.png"); }
 
+/// A cache that this run has made goes where its input is refused: nobody will ask for it again.
+class NewCache {
+ public:
+  explicit NewCache(const fs::path& folder) : folder_(fs::exists(folder) ? fs::path() : folder) {}
+  ~NewCache() {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  }
+  NewCache(const NewCache&) = delete;
+  NewCache& operator=(const NewCache&) = delete;
+  void keep() { folder_.clear(); }
+
+ private:
+  fs::path folder_;
+};
+
 /// Leaves in the recipe the files that changed a result, and says so.
 void settle_replacements(const Run& run, ReplaceSettings& replace, std::vector<exporters::BundleInput>& inputs,
                          std::vector<Warning>& warnings) {
@@ -328,9 +344,11 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   run.files = stage_files(recipe, options);
   const auto existing = options.replace ? exporters::Existing::replace : exporters::Existing::refuse;
   exporters::ReservedPlace place;
+  NewCache cache(comm.is_root() ? options.cache_folder : fs::path());
   parallel::run_on_root(comm, [&] {
     check_inputs(recipe);
     place = exporters::reserve_place(options.output, existing);
+    if (!place.remark.empty()) fmt::print(stderr, "heartgen: {}\n", place.remark);
     clear_unfinished_entries(options.cache_folder);
     inputs = hash_inputs(recipe);
     run.program_hash = exporters::sha256_of_file("/proc/self/exe");
@@ -368,6 +386,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
     print_warnings(warnings);  // not before: a refusal is one message
     settle_replacements(run, recipe.replace, inputs, warnings);
   });
+  cache.keep();  // from here on nothing is refused, and what fails for want of room goes on where it stopped
   const auto torso_hash =
       hash_of(inputs, "torso.ct") + hash_of(inputs, "torso.labels") + hash_of(inputs, "torso.landmarks");
   const auto around = surround(run, heart, ct.value.grid, recipe, torso_hash, warnings);

@@ -5,6 +5,8 @@
 
 #include <cstdio>
 
+#include "generator/app/output.hpp"
+
 namespace heart::app {
 namespace {
 
@@ -30,21 +32,20 @@ std::string time_left(double share, double before_s, double stage_s) {
 void draw_bar(double share, const std::string& name, const std::string& remark) {
   constexpr int width = 30;
   const int filled = static_cast<int>(share * width);
-  fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %  {}  {}", std::string(static_cast<std::size_t>(filled), '#'),
-             std::string(static_cast<std::size_t>(width - filled), '.'), 100 * share, name, remark);
-  std::fflush(stderr);
+  draw(fmt::format("\r\033[K[{}{}] {:3.0f} %  {}  {}", std::string(static_cast<std::size_t>(filled), '#'),
+                   std::string(static_cast<std::size_t>(width - filled), '.'), 100 * share, name, remark));
 }
 
 std::shared_ptr<Watch> bar_that_moves(const Progress& progress, const std::string& name) {
   const double share = done_share(progress), before_s = seconds_since(progress.start);
-  const auto draw = [=](double stage_s) {
+  const auto show = [=](double stage_s) {
     const auto left = time_left(share, before_s, stage_s);
     draw_bar(share, name, fmt::format("{:.0f} s{}{}", stage_s, left.empty() ? "" : ", ", left));
   };
-  draw(0);
-  return {new Watch(std::chrono::seconds(1), draw), [](const Watch* watch) {
+  show(0);
+  return {new Watch(std::chrono::seconds(1), show), [](const Watch* watch) {
             delete watch;
-            fmt::print(stderr, "\r\033[K");
+            draw("\r\033[K");
           }};
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -12,13 +11,13 @@
 
 #include "exporters/bundle.hpp"
 #include "model/error.hpp"
+#include "model/new_file.hpp"
 
 namespace heart::app {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t hash_length = 64;
-constexpr const char* partial_ending = ".partial";
 constexpr const char* entry_ending = ".stage";
 
 fs::path entry_path(const fs::path& folder, const std::string& key) { return folder / (key + entry_ending); }
@@ -64,19 +63,14 @@ bool Run::read_entry(const std::string& key, std::string& bytes) const {
 }
 
 void Run::write_entry(const std::string& key, const std::string& bytes) const {
-  std::error_code ignored;  // a cache that cannot be written costs time, not results
-  fs::create_directories(cache_folder, ignored);
-  const fs::path partial = cache_folder / fmt::format("{}.{}{}", key, getpid(), partial_ending);
-  {
-    std::ofstream file(partial, std::ios::binary);
+  try {
+    NewFile whole(entry_path(cache_folder, key));
+    std::ofstream file(whole.partial, std::ios::binary);
     file << exporters::sha256_of_text(bytes);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!file.flush()) {
-      fs::remove(partial, ignored);
-      return;
-    }
+    if (file.flush()) whole.finish();
+  } catch (const UserError&) {  // a cache that cannot be written costs time, not results
   }
-  fs::rename(partial, entry_path(cache_folder, key), ignored);
 }
 
 bool Run::agreed(bool on_root) const {
@@ -132,7 +126,7 @@ void Run::rethrow_in_stage(const std::string& name) {
 }
 
 void clear_unfinished_entries(const fs::path& cache_folder) {
-  remove_files(cache_folder, [](const fs::path& file) { return file.extension() == partial_ending; });
+  remove_files(cache_folder, [](const fs::path& file) { return file.filename().string().starts_with(".partial"); });
 }
 
 void forget_other_entries(const fs::path& cache_folder, const std::vector<std::string>& keys) {

@@ -11,6 +11,7 @@
 #include "generator/adapters/itk_io.hpp"
 #include "generator/labels/given_labels.hpp"
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
@@ -33,8 +34,8 @@ void settle_grid(Grid& grid, const Grid& ct, const std::string& path) {
 }
 
 Json read_json(const std::string& path) {
+  require_input_file(path);
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw UserError("does not exist", path, "check the path");
   Json json = Json::parse(file, nullptr, false);
   if (!json.is_object()) throw UserError("is not valid JSON", path, "correct the file");
   return json;

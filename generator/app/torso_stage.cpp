@@ -10,6 +10,7 @@
 #include "generator/adapters/itk_io.hpp"
 #include "generator/app/image_stages.hpp"
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
 
@@ -139,8 +140,8 @@ void check_torso(const TorsoSettings& s) {
     throw UserError("both ct and labels are given", section, "name one: labels are taken as they are");
   TorsoSettings::describe_files(
       [](const char* key, const std::string& file, const char*) {
-        if (!file.empty() && !std::filesystem::exists(file))
-          throw UserError("does not exist", file, fmt::format("check torso.{}", key));
+        if (!file.empty() && !std::filesystem::is_directory(file))
+          require_input_file(file, fmt::format("check torso.{}", key).c_str());
       },
       s);
   if (s.frame != "heart" && s.frame != "torso")

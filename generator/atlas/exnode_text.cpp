@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 
 namespace heart::atlas::exnode {
 namespace {
@@ -29,6 +30,7 @@ struct Lines {
 Lines read_lines(const std::string& path) {
   constexpr std::size_t block = 1 << 16, most_bytes = std::size_t{1} << 28;
   Lines lines{path, {}, 0};
+  require_input_file(path);
   gzFile file = gzopen(path.c_str(), "rb");
   if (!file) throw UserError("cannot be read", path, "check the path");
   std::string text(block, '\0');

@@ -12,6 +12,7 @@
 
 #include "generator/labels/presets.hpp"
 #include "model/error.hpp"
+#include "model/input_file.hpp"
 
 namespace heart::labels {
 namespace {
@@ -112,8 +113,8 @@ Names read_json(const std::string& path, std::istream& file) {
 }  // namespace
 
 Names read_label_names(const std::string& path) {
+  require_input_file(path, "check input.label_names");
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw UserError("does not exist", path, "check input.label_names");
   Names names = path.ends_with(".json") ? read_json(path, file) : read_csv(path, file);
   if (names.empty()) throw UserError("holds no names", path, remedy);
   return names;

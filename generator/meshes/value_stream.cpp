@@ -3,12 +3,13 @@
 #include <fstream>
 #include <iterator>
 
+#include "model/input_file.hpp"
+
 namespace heart::meshes {
 
 std::string whole_file(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) throw UserError("is a folder, not a file", path.string(), "name a file");
+  require_input_file(path);
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw UserError("no such file, or no right to read it", path.string(), "check the path");
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 

@@ -11,10 +11,10 @@ namespace {
 TEST(Cache, WhatAKilledRunLeftHalfWrittenGoes) {
   const auto folder = testing::scratch_folder("cache");
   testing::write_bytes(folder / "0123.stage", "whole");
-  testing::write_bytes(folder / "4567.99.partial", "half");
+  testing::write_bytes(folder / ".partial.4567.stage", "half");
   clear_unfinished_entries(folder);
   EXPECT_TRUE(std::filesystem::exists(folder / "0123.stage"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "4567.99.partial"));
+  EXPECT_FALSE(std::filesystem::exists(folder / ".partial.4567.stage"));
   clear_unfinished_entries(folder / "none");
   clear_unfinished_entries("");
 }

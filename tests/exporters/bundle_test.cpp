@@ -527,6 +527,117 @@ TEST(Unpack, RefusesEntriesThatLeaveTheFolder) {
   EXPECT_NE(error_of([&] { unpack_bundle(folder / "h.tar.zst", folder / "out"); }).find("top/link"), std::string::npos);
 }
 
+/// Name and bytes of an archive's entry; `says` is its length in the header where that is another.
+struct PackedFile {
+  std::string name, bytes;
+  std::int64_t says = -1;
+};
+
+void write_packed(const fs::path& path, const std::vector<PackedFile>& files) {
+  archive* writer = archive_write_new();
+  archive_write_add_filter_zstd(writer);
+  archive_write_set_format_pax_restricted(writer);
+  archive_write_open_filename(writer, path.c_str());
+  for (const auto& file : files) {
+    archive_entry* entry = archive_entry_new();
+    archive_entry_set_pathname(entry, ("top/" + file.name).c_str());
+    archive_entry_set_filetype(entry, AE_IFREG);
+    archive_entry_set_perm(entry, 0644);
+    archive_entry_set_size(entry, file.says < 0 ? static_cast<std::int64_t>(file.bytes.size()) : file.says);
+    archive_write_header(writer, entry);
+    archive_write_data(writer, file.bytes.data(), file.bytes.size());
+    archive_entry_free(entry);
+  }
+  archive_write_close(writer);
+  archive_write_free(writer);
+}
+
+TEST(Unpack, WritesOnlyWhatItsManifestListsAndThatFirst) {
+  const auto folder = scratch_folder("unpack_listed");
+  write_bundle(sample_bundle(), folder / "a");
+  const PackedFile manifest{"manifest.json", bytes_of(folder / "a" / "manifest.json")};
+  const PackedFile recipe{"recipe.toml", bytes_of(folder / "a" / "recipe.toml")};
+  const auto refused = [&](const std::vector<PackedFile>& files) {
+    write_packed(folder / "h.tar.zst", files);
+    const auto message = error_of([&] { unpack_bundle(folder / "h.tar.zst", folder / "out"); });
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "the bundle and the archive: " << message;
+    return message;
+  };
+  EXPECT_NE(refused({recipe, manifest}).find("does not begin with manifest.json"), std::string::npos);
+  EXPECT_NE(refused({}).find("does not begin with manifest.json"), std::string::npos);
+  EXPECT_NE(refused({manifest, recipe, {"bomb.vtu", std::string(1 << 20, '0')}}).find("'bomb.vtu' is not as"),
+            std::string::npos);
+  EXPECT_NE(refused({manifest, {recipe.name, recipe.bytes + "more"}}).find("'recipe.toml' is not as"),
+            std::string::npos);
+  EXPECT_NE(refused({manifest, recipe, recipe}).find("is there twice"), std::string::npos);
+  EXPECT_NE(refused({manifest, manifest}).find("is there twice"), std::string::npos);
+  EXPECT_NE(refused({manifest, recipe}).find("does not verify"), std::string::npos);
+  EXPECT_NE(refused({{"manifest.json", "{}"}}).find("malformed manifest"), std::string::npos);
+  EXPECT_NE(refused({{"manifest.json", std::string((1 << 26) + 1, ' ')}}).find("longer"), std::string::npos);
+}
+
+TEST(Unpack, HasLimits) {
+  const auto folder = scratch_folder("unpack_limits");
+  write_bundle(sample_bundle(), folder / "a");
+  Manifest manifest = read_manifest(folder / "a");
+  const auto refused = [&] {
+    write_packed(folder / "h.tar.zst", {{"manifest.json", manifest_text(manifest)}});
+    return error_of([&] { unpack_bundle(folder / "h.tar.zst", folder / "out"); });
+  };
+  manifest.files[0].bytes = std::int64_t{1} << 60;
+  EXPECT_NE(refused().find("are free"), std::string::npos) << refused();
+  manifest.files.assign(100'001, {"x", std::string(64, '0'), 0});
+  EXPECT_NE(refused().find("lists 100001 files"), std::string::npos) << refused();
+}
+
+TEST(Unpack, IsOneRunsAlone) {
+  const auto folder = scratch_folder("unpack_two");
+  write_bundle(sample_bundle(), folder / "a");
+  pack_bundle(folder / "a", folder / "a.tar.zst");
+  const auto other = reserve_place(folder / "out", Existing::refuse);
+  testing::write_bytes(other.partial / "of the other", "x");
+  EXPECT_NE(error_of([&] { unpack_bundle(folder / "a.tar.zst", folder / "out"); }).find("another run"),
+            std::string::npos);
+  EXPECT_TRUE(fs::exists(other.partial / "of the other"));
+}
+
+/// As write_bundle, with another mesh name in the manifest, as an attacker would.
+TEST(Manifest, RefusesNamesThatLeaveTheFolderOrSteerATerminal) {
+  const auto folder = scratch_folder("manifest_names");
+  const auto said = [&](const std::function<void(nlohmann::json&)>& change) {
+    fs::remove_all(folder / "out");
+    write_bundle(sample_bundle(), folder / "out");
+    reseal(folder / "out", change);
+    return error_of([&] { read_manifest(folder / "out"); });
+  };
+  EXPECT_EQ(said([](nlohmann::json&) {}), "");
+  for (const char* name : {"../../../escaped", "/tmp/escaped", "a/b", "..", ".", ""})
+    EXPECT_NE(said([&](nlohmann::json& json) {
+                json["meshes"][name] = json["meshes"]["trachea"];
+              }).find("cannot be a mesh's name"),
+              std::string::npos)
+        << name;
+  EXPECT_NE(said([](nlohmann::json& json) { json["regions"]["\x1b[31m"] = 1; }).find("control"), std::string::npos);
+  EXPECT_NE(said([](nlohmann::json& json) { json["author"] = "\x1b]0;title\a"; }).find("control"), std::string::npos);
+  EXPECT_NE(said([](nlohmann::json& json) {
+              json["warnings"] = {{{"code", "c"}, {"level", "note"}, {"text", "\x7f"}}};
+            }),
+            "");
+}
+
+TEST(Bundle, NoControlCharactersReachItsTexts) {
+  const auto folder = scratch_folder("bundle_control") / "out";
+  Bundle bundle = sample_bundle();
+  bundle.author = bundle.atlas = bundle.license = "\x1b[31mred";
+  bundle.inputs[0].name = "ct: \x1b.nii.gz";
+  bundle.certificate.warnings = {{"c", WarningLevel::note, "segment \x1b[2J was left out"}};
+  write_bundle(bundle, folder);
+  EXPECT_TRUE(verify_bundle(folder).empty());
+  for (const char* name : {"README.md", "LICENSE", "CITATION.cff", "ro-crate-metadata.json", "manifest.json"})
+    EXPECT_EQ(bytes_of(folder / name).find('\x1b'), std::string::npos) << name;
+  EXPECT_NE(bytes_of(folder / "README.md").find("?[31mred"), std::string::npos);
+}
+
 TEST(Sha256, KnownDigest) {
   EXPECT_EQ(sha256_of_text("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }

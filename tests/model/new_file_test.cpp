@@ -41,6 +41,41 @@ TEST(NewFile, ThatIsNotFinishedLeavesWhatWasThere) {
   EXPECT_TRUE(fs::is_empty(folder / "deep"));
 }
 
+TEST(NewFile, IsWrittenByOneAtATime) {
+  const auto folder = testing::scratch_folder("new_file_two");
+  {
+    NewFile first(folder / "out.json");
+    std::ofstream(first.partial) << "first";
+    const auto refused = error_of([&] { write_text(folder / "out.json", "second"); });
+    EXPECT_NE(refused.find("another run is writing this file"), std::string::npos) << refused;
+    first.finish();
+    write_text(folder / "other.json", "other");
+  }
+  EXPECT_EQ(bytes_of(folder / "out.json"), "first");
+  write_text(folder / "out.json", "third");
+  EXPECT_EQ(bytes_of(folder / "out.json"), "third");
+  EXPECT_EQ(entries_in(folder), 2);
+}
+
+TEST(NewFile, TakesOverWhatAKilledProgramLeft) {
+  const auto folder = testing::scratch_folder("new_file_killed");
+  { std::ofstream(NewFile(folder / "out.json").partial) << "x"; }
+  testing::write_bytes(folder / ".partial.out.json", "half of something long");
+  write_text(folder / "out.json", "new");
+  EXPECT_EQ(bytes_of(folder / "out.json"), "new");
+  EXPECT_EQ(entries_in(folder), 1);
+}
+
+TEST(NewFile, WhatIsInTheWayOfItIsLeftAlone) {
+  const auto folder = testing::scratch_folder("new_file_in_the_way");
+  testing::write_bytes(folder / "mine", "mine");
+  fs::create_symlink("mine", folder / ".partial.out.json");
+  write_text(folder / "out.json", "new");
+  EXPECT_EQ(bytes_of(folder / "out.json"), "new");
+  EXPECT_EQ(bytes_of(folder / "mine"), "mine");
+  EXPECT_EQ(entries_in(folder), 3);
+}
+
 TEST(NewFile, WritesThroughLinksAndIntoDevices) {
   const auto folder = testing::scratch_folder("new_file_link");
   testing::write_bytes(folder / "out.json", "old");

@@ -1,0 +1,11 @@
+// A file that is to be read.
+#pragma once
+#include <filesystem>
+
+namespace heart {
+
+/// Whatever reads a file that a user or another file names calls this first. Throws UserError where there is none,
+/// where it is a folder, a pipe or a device (which may have no end), and where there is no right to read it.
+void require_input_file(const std::filesystem::path& path, const char* remedy = "check the path");
+
+}  // namespace heart

@@ -11,6 +11,7 @@
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "model/text.hpp"
+#include "model/toml_text.hpp"
 
 namespace heart {
 namespace {
@@ -322,7 +323,7 @@ Recipe read_recipe(const std::string& path) {
   if (!fs::is_regular_file(path)) throw UserError("recipe does not exist", path, "check the path");
   toml::table table;
   try {
-    table = toml::parse_file(path);
+    table = toml::parse(checked_toml(path), path);
   } catch (const toml::parse_error& error) {
     throw UserError(fmt::format("not valid TOML: {}", error.description()),
                     fmt::format("{}:{}", path, error.source().begin.line), "correct the recipe");

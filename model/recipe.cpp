@@ -12,6 +12,7 @@
 #include "model/input_file.hpp"
 #include "model/labels.hpp"
 #include "model/text.hpp"
+#include "model/toml_text.hpp"
 
 namespace heart {
 namespace {
@@ -323,7 +324,7 @@ Recipe read_recipe(const std::string& path) {
   require_input_file(path);
   toml::table table;
   try {
-    table = toml::parse_file(path);
+    table = toml::parse(checked_toml(path), path);
   } catch (const toml::parse_error& error) {
     throw UserError(fmt::format("not valid TOML: {}", error.description()),
                     fmt::format("{}:{}", path, error.source().begin.line), "correct the recipe");

@@ -5,16 +5,18 @@
 #include <itkGDCMImageIO.h>
 #include <itkGDCMSeriesFileNames.h>
 #include <itkImageSeriesReader.h>
+#include <itkMultiThreaderBase.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <set>
 #include <sstream>
 #include <vector>
 
+#include "generator/adapters/behind_wall.hpp"
+#include "generator/adapters/dicom_files.hpp"
+#include "generator/adapters/image_checks.hpp"
 #include "generator/adapters/itk_volume.hpp"
 #include "model/error.hpp"
 #include "model/input_file.hpp"
@@ -39,46 +41,10 @@ std::vector<double> numbers_in(std::string text) {
   return numbers;
 }
 
-std::string whole_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// Whether the file says that its pixels are not compressed: transfer syntaxes 1.2.840.10008.1.2, .1.2.1 and .1.2.2.
-bool has_plain_pixels(const std::string& file) {
-  const std::string tag{"\x02\x00\x10\x00UI", 6};
-  const auto at = file.find(tag);
-  if (at == std::string::npos || at + tag.size() + 2 > file.size()) return false;
-  const auto length = static_cast<unsigned char>(file[at + tag.size()]);
-  std::string syntax = file.substr(at + tag.size() + 2, length);
-  std::erase(syntax, '\0');
-  return syntax == "1.2.840.10008.1.2" || syntax == "1.2.840.10008.1.2.1" || syntax == "1.2.840.10008.1.2.2";
-}
-
-/// Whether that many bytes follow an element of pixel data; its length stands 4 or 8 bytes behind its tag.
-bool holds_pixels(const std::string& file, std::size_t bytes) {
-  for (const std::string& tag : {std::string("\xe0\x7f\x10\x00", 4), std::string("\x7f\xe0\x00\x10", 4)})
-    for (auto at = file.find(tag); at != std::string::npos; at = file.find(tag, at + 1))
-      if (at + 8 + bytes <= file.size()) return true;
-  return false;
-}
-
-/// The library fills what a cut-off slice lacks with zeros. Compressed pixels are left to their decoder.
-void refuse_missing_pixels(itk::GDCMImageIO& io, const std::string& path) {
-  std::string bits;
-  io.GetValueFromTag("0028|0100", bits);
-  const auto width = numbers_in(bits);
-  const std::string file = whole_file(path);
-  if (width.size() != 1 || !has_plain_pixels(file)) return;
-  const auto bytes = io.GetDimensions(0) * io.GetDimensions(1) * static_cast<std::size_t>(width[0]) / 8;
-  if (!holds_pixels(file, bytes)) throw UserError("is truncated", path, "export the series again");
-}
-
 SlicePlace place_of(const std::string& file, const std::string& folder) {
   const auto io = itk::GDCMImageIO::New();
   io->SetFileName(file);
   io->ReadImageInformation();
-  refuse_missing_pixels(*io, file);
   std::string position, orientation;
   io->GetValueFromTag("0020|0032", position);
   io->GetValueFromTag("0020|0037", orientation);
@@ -140,38 +106,29 @@ void check_stack(const Stack& stack, const std::string& folder) {
                     folder, "resample it to a regular grid first; dcm2niix does");
 }
 
-/// The library ends the program at a file that is cut off within its first group. That group begins with its length.
-void refuse_cut_off_headers(const std::string& folder) {
-  constexpr std::uintmax_t length_at = 140, first_group_at = 144;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() || !entry.exists()) continue;
-    require_input_file(entry.path(), "take it out of the folder");
-    if (!is_dicom_file(entry.path().string())) continue;
-    std::array<unsigned char, 4> bytes{};
-    std::ifstream file(entry.path(), std::ios::binary);
-    file.seekg(length_at).read(reinterpret_cast<char*>(bytes.data()), bytes.size());
-    std::uintmax_t length = 0;
-    for (std::size_t b = 0; b < bytes.size(); ++b) length |= std::uintmax_t{bytes[b]} << (8 * b);
-    if (!file || entry.file_size() <= first_group_at + length)
-      throw UserError("is truncated", entry.path().string(), "export it again, or take it out of the folder");
-  }
+/// The library leaves out what it cannot read. What lies in the folder like a slice is one.
+void refuse_dropped_slices(const std::vector<DicomFile>& found, const std::vector<std::string>& in_series,
+                           const std::string& folder) {
+  const auto is_in_series = [&](const DicomFile& file) {
+    return std::any_of(in_series.begin(), in_series.end(),
+                       [&](const auto& name) { return fs::path(name).filename() == file.path.filename(); });
+  };
+  std::set<std::string> classes;
+  for (const auto& file : found)
+    if (is_in_series(file)) classes.insert(file.sop_class);
+  for (const auto& file : found)
+    if (!is_in_series(file) && (file.rows > 0 || !file.is_dicom || classes.contains(file.sop_class)))
+      throw UserError("is no slice that can be read, and the series would lack it", file.path.string(),
+                      fmt::format("export it again, or take it out of {}", folder));
 }
 
-}  // namespace
-
-bool is_dicom_file(const std::string& path) {
-  constexpr std::streamoff mark_at = 128;
-  std::string mark(4, ' ');
-  std::ifstream file(path, std::ios::binary);
-  return file.seekg(mark_at).read(mark.data(), 4) && mark == "DICM";
-}
-
-Volume<float> read_dicom_series(const std::string& folder) {
-  const auto names = itk::GDCMSeriesFileNames::New();
-  refuse_cut_off_headers(folder);
+/// In a process of its own.
+Volume<float> read_series(const std::vector<DicomFile>& found, const std::string& folder) {
+  itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(1);
   gdcm::Trace::DebugOff();
   gdcm::Trace::WarningOff();
   gdcm::Trace::ErrorOff();  // what it would print is looked at below, or thrown
+  const auto names = itk::GDCMSeriesFileNames::New();
   names->SetUseSeriesDetails(true);
   names->SetDirectory(folder);
   const auto series = names->GetSeriesUIDs();
@@ -181,6 +138,7 @@ Volume<float> read_dicom_series(const std::string& folder) {
     throw UserError(fmt::format("holds {} DICOM series", series.size()), folder,
                     "put the wanted one in a folder of its own");
   const auto files = names->GetFileNames(series.front());
+  refuse_dropped_slices(found, files, folder);
   std::vector<SlicePlace> slices;
   slices.reserve(files.size());
   for (const auto& file : files) slices.push_back(place_of(file, folder));
@@ -190,6 +148,32 @@ Volume<float> read_dicom_series(const std::string& folder) {
   reader->SetFileNames(files);
   reader->Update();
   return plain_volume(*reader->GetOutput());
+}
+
+}  // namespace
+
+Volume<float> read_dicom_series(const std::string& folder, bool allow_2d) {
+  const auto found = dicom_files(folder);
+  double file_bytes = 0, voxels = 0;
+  Index3 largest{1, 1, 0};
+  for (const auto& file : found) {
+    file_bytes += static_cast<double>(file.bytes);
+    voxels += static_cast<double>(file.rows * file.columns * file.frames);
+    largest = {std::max(largest[0], file.columns), std::max(largest[1], file.rows), largest[2] + file.frames};
+  }
+  check_size(largest, folder, true);
+  constexpr double copies = 3;  // the library's as floats, and two ways out
+  const auto volume =
+      read_behind_wall<Volume<float>>(folder, allowance_for(file_bytes, copies * sizeof(float) * voxels), [&] {
+        try {
+          return read_series(found, folder);
+        } catch (const itk::ExceptionObject& error) {
+          throw UserError(fmt::format("cannot be read: {}", one_line(error.GetDescription())), folder,
+                          "is it complete and undamaged?");
+        }
+      });
+  check_size(volume.grid.size, folder, allow_2d);
+  return volume;
 }
 
 }  // namespace heart::adapters

@@ -6,10 +6,10 @@
 #include <itkImageIOFactory.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIOFactory.h>
+#include <itkMultiThreaderBase.h>
 #include <itkNiftiImageIOFactory.h>
 #include <itkNrrdImageIOFactory.h>
 #include <itkVectorImage.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -18,11 +18,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <limits>
 #include <string_view>
 
+#include "generator/adapters/behind_wall.hpp"
+#include "generator/adapters/dicom_files.hpp"
 #include "generator/adapters/dicom_io.hpp"
+#include "generator/adapters/image_checks.hpp"
 #include "generator/adapters/itk_volume.hpp"
 #include "generator/adapters/meta_image.hpp"
 #include "generator/adapters/nifti_io.hpp"
@@ -32,12 +34,14 @@
 #include "model/text.hpp"
 
 namespace heart::adapters {
+
+static auto members(LabelSegment& s) { return std::tie(s.name, s.value, s.layer); }
+
 namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* known_formats =
     "known formats: .nii, .nii.gz, .nrrd, .mhd, .mha, or a folder with a DICOM series";
-constexpr double largest_anisotropy = 10;
 
 /// Debian's ITK registers no formats by itself.
 void register_formats() {
@@ -84,48 +88,35 @@ std::array<int, 3> nearest_axes(const Mat3& direction) {
   return source;
 }
 
-/// Refuses what cannot become a model before any voxel is read.
-void check_size(const Index3& size, const std::string& path, bool allow_2d) {
-  double voxels = 1;
-  for (const auto length : size) {
-    if (length <= 0) throw UserError("is empty", path, "its header says zero voxels");
-    voxels *= static_cast<double>(length);
-  }
-  if (size[2] == 1 && !allow_2d) throw UserError("is a single slice, not a volume", path, "give the whole series");
-  // The build holds about 40 bytes a voxel at its peak; refuse before the machine starts to swap.
-  const double needed_gib = voxels * 40 / (1 << 30);
-  const double memory_gib =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 30);
-  if (needed_gib > memory_gib)
-    throw UserError(fmt::format("needs about {:.0f} GiB of memory, this machine has {:.0f}", needed_gib, memory_gib),
-                    path, "crop or resample the volume");
-}
-
-void check_dimensions(const itk::ImageIOBase& io, const std::string& path, bool allow_2d) {
+/// The first three axes of what a header says, and what takes more of them.
+Grid header_grid(const itk::ImageIOBase& io, const std::string& path) {
   const unsigned dimensions = io.GetNumberOfDimensions();
   if (dimensions > 3 && io.GetDimensions(3) > 1)
     throw UserError(fmt::format("has {} dimensions, a volume has 3", dimensions), path, "extract one time frame first");
-  Index3 size{1, 1, 1};
-  for (unsigned axis = 0; axis < std::min(dimensions, 3U); ++axis)
-    size[axis] = static_cast<std::int64_t>(io.GetDimensions(axis));
-  check_size(size, path, allow_2d);
+  Grid grid;
+  grid.size = {1, 1, 1};
+  for (unsigned axis = 0; axis < std::min(dimensions, 3U); ++axis) {
+    grid.size[axis] = static_cast<std::int64_t>(io.GetDimensions(axis));
+    grid.spacing_mm[static_cast<int>(axis)] = io.GetSpacing(axis);
+    grid.origin_mm[static_cast<int>(axis)] = io.GetOrigin(axis);
+    const auto direction = io.GetDirection(axis);
+    for (unsigned row = 0; row < std::min(dimensions, 3U); ++row)
+      grid.direction[static_cast<int>(row)][static_cast<int>(axis)] = direction[row];
+  }
+  return grid;
 }
 
+/// Looks at the header before any voxel is read, and allows for what the voxels take.
 void check_header(const itk::ImageIOBase& io, const std::string& path, bool allow_2d) {
-  check_dimensions(io, path, allow_2d);
-  if (io.GetNumberOfComponents() != 1)
-    throw UserError(fmt::format("has {} components per voxel", io.GetNumberOfComponents()), path,
-                    "give a scalar image in Hounsfield units");
-}
-
-void check_spacing(const Grid& grid, const std::string& path) {
-  const Vec3& s = grid.spacing_mm;
-  const double least = std::min({s.x, s.y, s.z}), most = std::max({s.x, s.y, s.z});
-  if (!(least > 0)) throw UserError("has a voxel spacing that is not positive", path, "repair the header");
-  if (most > largest_anisotropy * least)
-    throw UserError(fmt::format("voxels of {:.6g} x {:.6g} x {:.6g} mm are more anisotropic than {}:1", s.x, s.y, s.z,
-                                largest_anisotropy),
-                    path, "resample the volume or use a thinner reconstruction");
+  const Grid grid = header_grid(io, path);
+  check_grid(grid, path);
+  check_size(grid.size, path, allow_2d);
+  constexpr double copies = 3;  // the library's as floats, and two ways out
+  const auto components = static_cast<double>(io.GetNumberOfComponents());
+  const double values = static_cast<double>(grid.voxel_count()) * components;
+  const auto bytes = static_cast<double>(io.GetComponentSize());
+  const auto whole = allowance_for(static_cast<double>(fs::file_size(path)), values * (bytes + copies * sizeof(float)));
+  allow_memory(whole.memory_bytes);
 }
 
 /// A patient of less than a few millimetres, or of many metres, comes from lengths in another unit.
@@ -175,13 +166,13 @@ itk::ImageIOBase::Pointer open_header(const std::string& path) {
   return io;
 }
 
-Volume<float> read_file(const std::string& path, bool allow_2d) {
-  if (is_nifti(path)) {
-    check_size(read_nifti_grid(path).size, path, allow_2d);
-    return read_nifti(path);
-  }
+/// By ITK, in a process of its own.
+Volume<float> read_scalar_image(const std::string& path, bool allow_2d) {
   const auto io = open_header(path);
   check_header(*io, path, allow_2d);
+  if (io->GetNumberOfComponents() != 1)
+    throw UserError(fmt::format("has {} components per voxel", io->GetNumberOfComponents()), path,
+                    "give a scalar image in Hounsfield units");
   if (is_meta_image(path))
     check_meta_image(path, static_cast<std::uintmax_t>(io->GetImageSizeInBytes()), "copy or download it again");
   const auto reader = itk::ImageFileReader<Image<float>>::New();
@@ -189,12 +180,6 @@ Volume<float> read_file(const std::string& path, bool allow_2d) {
   reader->SetFileName(path);
   reader->Update();
   return plain_volume(*reader->GetOutput());
-}
-
-/// As all messages are.
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
 }
 
 /// What a library says, without the object and the address that it begins with, and the system's last error, which may
@@ -225,20 +210,42 @@ class QuietLibraries {
   std::streambuf* usual_;
 };
 
-Volume<float> read_any(const std::string& path, bool allow_2d) {
-  if (!fs::is_directory(path)) require_input_file(path);
+/// What a reader of ITK's returns in a process of its own. The allowance is for the header.
+template <class T, class Read>
+T read_by_itk(const std::string& path, const Read& read) {
   register_formats();
-  const QuietLibraries quiet;
-  Volume<float> volume;
-  try {
-    volume = fs::is_directory(path) ? read_dicom_series(path) : read_file(path, allow_2d);
-  } catch (const itk::ExceptionObject& error) {
-    throw unreadable(path, error);
+  if (is_meta_image(path)) check_meta_header(path);
+  return read_behind_wall<T>(path, allowance_for(static_cast<double>(fs::file_size(path)), 0), [&] {
+    itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(1);
+    try {
+      return read();
+    } catch (const itk::ExceptionObject& error) {
+      throw unreadable(path, error);
+    }
+  });
+}
+
+Volume<float> read_file(const std::string& path, bool allow_2d) {
+  if (is_nifti(path)) {
+    const Grid grid = read_nifti_grid(path);
+    check_grid(grid, path);
+    check_size(grid.size, path, allow_2d);
+    return read_nifti(path);
   }
-  check_size(volume.grid.size, path, allow_2d);
-  check_spacing(volume.grid, path);
+  return read_by_itk<Volume<float>>(path, [&] { return read_scalar_image(path, allow_2d); });
+}
+
+void check_finite(const Volume<float>& volume, const std::string& path) {
   for (const float value : volume.voxels)
     if (!std::isfinite(value)) throw UserError("contains NaN or infinite voxels", path, "repair the image");
+}
+
+Volume<float> read_any(const std::string& path, bool allow_2d) {
+  if (!fs::is_directory(path)) require_input_file(path);
+  const Volume<float> volume = fs::is_directory(path) ? read_dicom_series(path, allow_2d) : read_file(path, allow_2d);
+  check_grid(volume.grid, path);
+  check_size(volume.grid.size, path, allow_2d);
+  check_finite(volume, path);
   return with_canonical_axes(volume);
 }
 
@@ -296,17 +303,6 @@ std::vector<Volume<float>> read_layers(itk::ImageIOBase* io, const std::string& 
   return layers;
 }
 
-LabelImage read_segmentation(const std::string& path) {
-  const auto io = open_header(path);
-  check_dimensions(*io, path, false);
-  const auto layers = read_layers(io, path);
-  check_spacing(layers.front().grid, path);
-  LabelImage image;
-  image.segments = named_segments(io->GetMetaDataDictionary(), layers.size(), path);
-  for (const auto& layer : layers) image.layers.push_back(whole_numbers(with_canonical_axes(layer), path));
-  return image;
-}
-
 /// The frame that a NRRD's vectors are measured in; the identity where the header has none.
 Mat3 measurement_frame(const itk::MetaDataDictionary& header) {
   std::vector<std::vector<double>> columns;
@@ -318,17 +314,26 @@ Mat3 measurement_frame(const itk::MetaDataDictionary& header) {
   return frame;
 }
 
-ComponentImage read_component_file(const std::string& path) {
-  const auto io = open_header(path);
-  check_dimensions(*io, path, false);
-  ComponentImage image{read_layers(io, path), measurement_frame(io->GetMetaDataDictionary())};
-  check_spacing(image.components.front().grid, path);
-  for (auto& component : image.components) {
-    for (const float value : component.voxels)
-      if (!std::isfinite(value)) throw UserError("contains NaN or infinite voxels", path, "repair the image");
-    component = with_canonical_axes(component);
-  }
-  return image;
+/// All that a file of vectors, or of overlapping labels, holds.
+struct LayeredFile {
+  std::vector<Volume<float>> layers;
+  std::vector<LabelSegment> segments;
+  Mat3 frame;
+};
+
+auto members(LayeredFile& f) { return std::tie(f.layers, f.segments, f.frame); }
+
+LayeredFile read_layered_file(const std::string& path) {
+  const auto file = read_by_itk<LayeredFile>(path, [&] {
+    const auto io = open_header(path);
+    check_header(*io, path, false);
+    auto layers = read_layers(io, path);
+    auto segments = named_segments(io->GetMetaDataDictionary(), layers.size(), path);
+    return LayeredFile{std::move(layers), std::move(segments), measurement_frame(io->GetMetaDataDictionary())};
+  });
+  check_grid(file.layers.at(0).grid, path);
+  for (const auto& layer : file.layers) check_finite(layer, path);
+  return file;
 }
 
 template <class To>
@@ -489,28 +494,22 @@ LabelVolume read_labels(const std::string& path) {
 }
 
 LabelImage read_label_image(const std::string& path) {
-  if (!path.ends_with(".nrrd") || fs::is_directory(path)) return {{whole_numbers(read_any(path, false), path)}, {}};
+  if (!path.ends_with(".nrrd") || !fs::is_regular_file(path)) return {{whole_numbers(read_any(path, false), path)}, {}};
   require_input_file(path);
-  register_formats();
-  const QuietLibraries quiet;
-  try {
-    return read_segmentation(path);
-  } catch (const itk::ExceptionObject& error) {
-    throw unreadable(path, error);
-  }
+  const auto file = read_layered_file(path);
+  LabelImage image;
+  image.segments = file.segments;
+  for (const auto& layer : file.layers) image.layers.push_back(whole_numbers(with_canonical_axes(layer), path));
+  return image;
 }
 
 Volume<float> read_image(const std::string& path) { return read_any(path, true); }
 
 ComponentImage read_components(const std::string& path) {
   require_input_file(path);
-  register_formats();
-  const QuietLibraries quiet;
-  try {
-    return read_component_file(path);
-  } catch (const itk::ExceptionObject& error) {
-    throw unreadable(path, error);
-  }
+  auto file = read_layered_file(path);
+  for (auto& layer : file.layers) layer = with_canonical_axes(layer);
+  return {std::move(file.layers), file.frame};
 }
 
 void check_image_output(const std::string& path) {

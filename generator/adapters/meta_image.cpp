@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string_view>
+#include <vector>
 
+#include "generator/adapters/behind_wall.hpp"
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 
@@ -26,7 +29,52 @@ std::string meta_value(const std::string& line, const std::string& key) {
 /// Of a list of numbers; "1e-3" is none.
 bool has_negative(const std::string& list) { return list.starts_with('-') || list.find(" -") != std::string::npos; }
 
+[[noreturn]] void refuse_header(const std::string& path, const std::string& what) {
+  throw UserError("has a damaged header: " + what, path, "is it complete and undamaged?");
+}
+
+/// The library's places hold 255 bytes of a text, and 500 of a line.
+void check_line(const std::string& line, const std::string& path) {
+  constexpr std::size_t longest_key = 200, longest_text = 254, longest_list = 480;
+  const auto sign = std::min(line.find_first_of("=:"), line.size());
+  const bool is_list = line.find_first_not_of("0123456789+-.eE \t\r", sign + 1) == std::string::npos;
+  if (sign > longest_key || line.size() - sign > (is_list ? longest_list : longest_text))
+    refuse_header(path, fmt::format("the line \"{}...\" is {} bytes long", one_line(line.substr(0, 20)), line.size()));
+}
+
+/// Whole numbers in a line, until something else.
+std::vector<std::int64_t> whole_numbers(const std::string& list) {
+  std::vector<std::int64_t> numbers;
+  std::istringstream stream(list);
+  for (std::int64_t number = 0; stream >> number;) numbers.push_back(number);
+  return numbers;
+}
+
 }  // namespace
+
+void check_meta_header(const std::string& path) {
+  constexpr std::size_t most_bytes = 1 << 20;
+  constexpr std::int64_t most_dimensions = 4;
+  std::ifstream header(path, std::ios::binary);
+  std::size_t bytes = 0;
+  std::int64_t dimensions = 0;
+  for (std::string line; std::getline(header, line);) {
+    check_line(line, path);
+    if ((bytes += line.size() + 1) > most_bytes) refuse_header(path, "it does not end");
+    if (const auto value = meta_value(line, "NDims"); !value.empty()) {
+      const auto numbers = whole_numbers(value);
+      dimensions = numbers.empty() ? 0 : numbers.front();
+      if (dimensions < 1 || dimensions > most_dimensions)
+        refuse_header(path, fmt::format("{} dimensions", one_line(value)));
+    }
+    if (const auto value = meta_value(line, "DimSize"); !value.empty()) {
+      const auto sizes = whole_numbers(value);
+      if (static_cast<std::int64_t>(sizes.size()) != dimensions || *std::min_element(sizes.begin(), sizes.end()) < 1)
+        refuse_header(path, fmt::format("{} dimensions of sizes {}", dimensions, one_line(value)));
+    }
+    if (!meta_value(line, "ElementDataFile").empty()) return;
+  }
+}
 
 bool is_meta_image(const std::string& path) { return path.ends_with(".mhd") || path.ends_with(".mha"); }
 

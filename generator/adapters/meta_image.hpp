@@ -5,6 +5,11 @@
 
 namespace heart::adapters {
 
+/// Before the library, which copies names and texts of a header into fixed places and looks at no bound. Throws
+/// UserError for a line that does not fit there, for a number of dimensions that no image has, and for sizes that are
+/// no numbers.
+void check_meta_header(const std::string& path);
+
 bool is_meta_image(const std::string& path);
 
 /// Throws UserError where the file is truncated or its spacing is negative; ITK reads both without an error, and does

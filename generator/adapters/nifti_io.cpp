@@ -8,16 +8,16 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
+#include "generator/adapters/behind_wall.hpp"
+#include "generator/adapters/image_checks.hpp"
 #include "model/error.hpp"
 
 namespace heart::adapters {
 namespace {
-
-using NiftiImage = std::unique_ptr<nifti_image, decltype(&nifti_image_free)>;
 
 /// sform first (what converters write), then qform, then bare voxel sizes.
 mat44 ras_from_index(const nifti_image& image) {
@@ -30,7 +30,7 @@ double unit_mm(const nifti_image& image) {
   return image.xyz_units == NIFTI_UNITS_METER ? 1000 : image.xyz_units == NIFTI_UNITS_MICRON ? 1e-3 : 1;
 }
 
-Grid grid_of(const nifti_image& image, const std::string& path) {
+Grid grid_of(const nifti_image& image) {
   Grid grid;
   grid.size = {image.nx, image.ny, std::max<std::int64_t>(image.nz, 1)};
   const mat44 m = ras_from_index(image);
@@ -43,10 +43,6 @@ Grid grid_of(const nifti_image& image, const std::string& path) {
     for (int row = 0; row < 3; ++row) grid.direction[row][axis] = columns[static_cast<std::size_t>(axis)][row];
   }
   grid.origin_mm = unit * Vec3{-m.m[0][3], -m.m[1][3], m.m[2][3]};
-  const double skew = std::max({std::abs(dot(columns[0], columns[1])), std::abs(dot(columns[0], columns[2])),
-                                std::abs(dot(columns[1], columns[2]))});
-  if (!(skew < 1e-3))
-    throw UserError("has a sheared or missing orientation matrix", path, "resample it to a regular grid");
   return grid;
 }
 
@@ -120,36 +116,34 @@ bool is_version_2(const std::string& path) {
   return length == version_2_bytes || swapped == version_2_bytes;
 }
 
-/// Without the lines that the library prints of some faults, whatever its level: ours says that the header is damaged.
-NiftiImage library_header(const std::string& path) {
-  static std::FILE* const nowhere = std::fopen("/dev/null", "w");
-  std::FILE* const usual = stderr;
-  if (nowhere != nullptr) stderr = nowhere;
-  nifti_set_debug_level(0);
-  NiftiImage image(nifti_image_read(path.c_str(), 0), &nifti_image_free);
-  stderr = usual;
-  return image;
-}
-
-NiftiImage read_header(const std::string& path) {
-  NiftiImage image = library_header(path);
-  if (!image && is_version_2(path))
-    throw UserError("is of version 2 of the NIfTI format, which is not read", path, "save it as NIfTI-1 or as .nrrd");
-  if (!image) throw UserError("is no NIfTI file, or its header is damaged", path, "is it complete and undamaged?");
-  if (image->ndim > 3 && image->nvox != static_cast<std::size_t>(image->nx) * static_cast<std::size_t>(image->ny) *
-                                            static_cast<std::size_t>(image->nz))
+/// What the library makes of the header, in a process of its own; what it points to stays there.
+nifti_image read_header(const std::string& path) {
+  const auto file_bytes = static_cast<double>(std::filesystem::file_size(path));
+  const auto image = read_behind_wall<nifti_image>(path, allowance_for(file_bytes, 0), [&] {
+    nifti_set_debug_level(0);
+    const nifti_image* header = nifti_image_read(path.c_str(), 0);
+    if (!header && is_version_2(path))
+      throw UserError("is of version 2 of the NIfTI format, which is not read", path, "save it as NIfTI-1 or as .nrrd");
+    if (!header) throw UserError("is no NIfTI file, or its header is damaged", path, "is it complete and undamaged?");
+    return *header;
+  });
+  const double voxels = static_cast<double>(image.nx) * image.ny * std::max(image.nz, 1);
+  if (image.ndim > 3 && static_cast<double>(image.nvox) != voxels)
     throw UserError("has more than three dimensions", path, "extract one volume first");
+  if (static_cast<double>(image.nvox) != voxels || image.nbyper < 1 || image.iname_offset < 0)
+    throw UserError("is no NIfTI file, or its header is damaged", path, "is it complete and undamaged?");
+  check_claim(voxels * image.nbyper, file_bytes, path.ends_with(".gz"), path);
   return image;
 }
 
 }  // namespace
 
-Grid read_nifti_grid(const std::string& path) { return grid_of(*read_header(path), path); }
+Grid read_nifti_grid(const std::string& path) { return grid_of(read_header(path)); }
 
 Volume<float> read_nifti(const std::string& path) {
-  const NiftiImage image = read_header(path);
-  Volume<float> volume(grid_of(*image, path));
-  copy_voxels(*image, path, volume.voxels);
+  const nifti_image image = read_header(path);
+  Volume<float> volume(grid_of(image));
+  copy_voxels(image, path, volume.voxels);
   return volume;
 }
 

@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -46,14 +47,94 @@ void for_each_number(std::string_view text, std::string_view key, Check check) {
     check(number_at(text, at + key.size()));
 }
 
+bool matches(std::string_view text, std::size_t at, std::string_view upper_case) {
+  if (text.size() - at < upper_case.size()) return false;
+  return std::equal(upper_case.begin(), upper_case.end(), text.begin() + static_cast<std::ptrdiff_t>(at),
+                    [](char wanted, char c) { return wanted == std::toupper(static_cast<unsigned char>(c)); });
+}
+
+/// Where the words behind a keyword of a legacy file begin, where it first begins a line; npos: nowhere.
+std::size_t behind_keyword(std::string_view text, std::string_view keyword) {
+  for (auto end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', end + 1)) {
+    const auto start = std::min(text.find_first_not_of(" \t", end + 1), text.size());
+    const auto next = start + keyword.size();
+    if (matches(text, start, keyword) && next < text.size() && std::isspace(static_cast<unsigned char>(text[next])))
+      return next;
+  }
+  return std::string_view::npos;
+}
+
+/// The whole numbers of a legacy file, one after the other: text, or four bytes each, the highest first.
+struct Numbers {
+  std::string_view text;
+  std::size_t at;
+  bool is_binary;
+
+  /// -1: there are no more.
+  std::int64_t next() {
+    constexpr std::size_t width = 4;
+    if (is_binary) {
+      if (at + width > text.size()) return -1;
+      std::uint32_t number = 0;
+      for (std::size_t b = 0; b < width; ++b) number = number << 8 | static_cast<unsigned char>(text[at + b]);
+      at += width;
+      return static_cast<std::int32_t>(number);
+    }
+    while (at < text.size() && std::isspace(static_cast<unsigned char>(text[at])) != 0) ++at;
+    std::int64_t number = -1;
+    const auto [end, error] = std::from_chars(text.data() + at, text.data() + text.size(), number);
+    at = static_cast<std::size_t>(end - text.data());
+    return error == std::errc() ? number : -1;
+  }
+  void skip(std::int64_t count) {
+    if (is_binary)
+      at += 4 * static_cast<std::size_t>(count);
+    else
+      for (; count > 0; --count) next();
+  }
+};
+
+[[noreturn]] void refuse_cells(const File& file, const std::string& what) {
+  throw UserError("is damaged: " + what, file.path.string(), "is the file complete and undamaged?");
+}
+
+/// Before version 5: "CELLS 2 10", then the number of nodes and the nodes of every cell, 10 numbers in all, which the
+/// library believes, and as many types.
+void check_legacy_cells(const File& file, std::uint64_t types) {
+  const std::string_view text = file.bytes;
+  const auto at = behind_keyword(text, "CELLS");
+  const auto line_end = at == std::string_view::npos ? at : text.find('\n', at);
+  if (line_end == std::string_view::npos) return;
+  Numbers header{text, at, false};
+  const std::int64_t cells = header.next(), size = header.next();
+  if (cells < 0 || size < cells || static_cast<std::uint64_t>(cells) != types)
+    refuse_cells(file, fmt::format("{} cells of {} numbers have {} types", cells, size, types));
+  const auto is_binary = behind_keyword(text.substr(0, at), "BINARY") != std::string_view::npos;
+  Numbers numbers{text, line_end + 1, is_binary};
+  std::int64_t left = size;
+  for (std::int64_t cell = 0; cell < cells; ++cell) {
+    const auto nodes = numbers.next();
+    if (nodes < 0 || nodes >= left)
+      refuse_cells(file, fmt::format("its cells do not fit the {} numbers behind CELLS", size));
+    numbers.skip(nodes);
+    left -= nodes + 1;
+  }
+  if (left != 0) refuse_cells(file, fmt::format("its cells do not fill the {} numbers behind CELLS", size));
+}
+
 /// "POINTS 8 double" and its like, each where it first begins a line. Values take a byte at least.
 void check_legacy(const File& file) {
+  constexpr std::string_view version_at = "# vtk DataFile Version ";
   const std::string_view text = file.bytes;
-  for (const std::string_view key : {"\nPOINTS ", "\nCELLS ", "\nCELL_TYPES ", "\nPOINT_DATA ", "\nCELL_DATA "}) {
-    const auto at = text.find(key);
-    if (at != std::string_view::npos)
-      require(file, number_at(text, at + key.size()), text.size(), key.substr(1, key.size() - 2));
+  std::uint64_t types = 0;
+  for (const std::string_view keyword : {"POINTS", "CELLS", "CELL_TYPES", "POINT_DATA", "CELL_DATA"}) {
+    const auto at = behind_keyword(text, keyword);
+    if (at == std::string_view::npos) continue;
+    const auto count = number_at(text, at);
+    require(file, count, text.size(), keyword);
+    if (keyword == "CELL_TYPES") types = count;
   }
+  if (number_at(text, version_at.size()) < 5) check_legacy_cells(file, types);
 }
 
 std::uint64_t word_at(std::string_view bytes, std::size_t at, std::size_t width) {
@@ -73,6 +154,9 @@ void check_block_table(const File& file, std::size_t at, std::size_t width, bool
   for (const std::size_t word : {1, 2})
     require(file, word_at(file.bytes, at + word * width, width), rest * largest_compression + nominal_block,
             "bytes in a block");
+  if (word_at(file.bytes, at + width, width) == 0)
+    throw UserError("has compressed arrays with blocks of 0 bytes", file.path.string(),
+                    "is it undamaged, and does header_type say how wide the numbers before an array are?");
   for (std::uint64_t block = 0; block < first; ++block)
     require(file, word_at(file.bytes, at + (3 + block) * width, width), rest, "bytes in a compressed block");
 }
@@ -106,10 +190,10 @@ void check_xml(const File& file) {
 }  // namespace
 
 void refuse_absurd_counts(const std::filesystem::path& path) {
+  File file{path, std::string(static_cast<std::size_t>(std::filesystem::file_size(path)), '\0')};
   std::ifstream stream(path, std::ios::binary);
-  std::ostringstream contents;
-  contents << stream.rdbuf();
-  const File file{path, std::move(contents).str()};
+  stream.read(file.bytes.data(), static_cast<std::streamsize>(file.bytes.size()));
+  file.bytes.resize(static_cast<std::size_t>(stream.gcount()));
   if (file.bytes.starts_with("# vtk DataFile"))
     check_legacy(file);
   else if (file.bytes.find("<VTKFile") < 256)

@@ -1,4 +1,5 @@
 // The reading half of vtk_io.hpp.
+#include <SMP/Common/vtkSMPToolsAPI.h>
 #include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -20,6 +21,7 @@
 #include <limits>
 #include <numeric>
 
+#include "generator/adapters/behind_wall.hpp"
 #include "generator/adapters/vtk_counts.hpp"
 #include "generator/adapters/vtk_guard.hpp"
 #include "generator/adapters/vtk_io.hpp"
@@ -90,10 +92,21 @@ std::array<std::int32_t, N> read_cell(const std::filesystem::path& path, vtkCell
   return result;
 }
 
-template <class Reader, class Data>
-vtkSmartPointer<Data> read_with(const std::filesystem::path& path, const std::function<void(Reader*)>& set_up = {}) {
+/// What `read` makes of a file by VTK, in a process of its own, once the file's own claims hold.
+template <class T, class Read>
+T read_by_vtk(const std::filesystem::path& path, const Read& read) {
+  constexpr double values_per_byte = 10;  // of text, or compressed; each of 8 bytes
   require_input_file(path);
   refuse_absurd_counts(path);
+  const auto bytes = static_cast<double>(std::filesystem::file_size(path));
+  return read_behind_wall<T>(path.string(), allowance_for(bytes, values_per_byte * sizeof(double) * bytes), [&] {
+    vtk::detail::smp::vtkSMPToolsAPI::GetInstance().SetBackend("Sequential");
+    return read();
+  });
+}
+
+template <class Reader, class Data>
+vtkSmartPointer<Data> read_with(const std::filesystem::path& path, const std::function<void(Reader*)>& set_up = {}) {
   vtkNew<Reader> reader;
   if (set_up) set_up(reader);
   run_guarded(path, "cannot read", [&] {
@@ -102,6 +115,12 @@ vtkSmartPointer<Data> read_with(const std::filesystem::path& path, const std::fu
     return reader->GetErrorCode() == 0 && reader->GetOutput() != nullptr;
   });
   return reader->GetOutput();
+}
+
+Vec3 vector_of(vtkDataArray* array, vtkIdType index) {
+  Vec3 value;
+  array->GetTuple(index, &value.x);
+  return value;
 }
 
 Mat3 tensor_of(vtkDataArray* array, vtkIdType index) {
@@ -133,12 +152,16 @@ void read_arrays(const std::filesystem::path& path, vtkDataSetAttributes* data, 
     if (array->GetNumberOfTuples() != total)
       fail_reading(path,
                    fmt::format("array '{}' has {} values instead of {}", name, array->GetNumberOfTuples(), total));
+    const auto append = [&](auto& values, auto value_at) {
+      values.reserve(values.size() + kept.size());
+      for (const auto i : kept) values.push_back(value_at(i));
+    };
+    if (kept.empty()) continue;
     const int components = array->GetNumberOfComponents();
-    for (const auto i : kept) {
-      if (components == 1) arrays.scalars[name].push_back(array->GetComponent(i, 0));
-      if (components == 3) array->GetTuple(i, &arrays.vectors[name].emplace_back().x);
-      if (components == 6 || components == 9) arrays.tensors[name].push_back(tensor_of(array, i));
-    }
+    if (components == 1) append(arrays.scalars[name], [&](vtkIdType i) { return array->GetComponent(i, 0); });
+    if (components == 3) append(arrays.vectors[name], [&](vtkIdType i) { return vector_of(array, i); });
+    if (components == 6 || components == 9)
+      append(arrays.tensors[name], [&](vtkIdType i) { return tensor_of(array, i); });
   }
 }
 
@@ -204,9 +227,7 @@ vtkSmartPointer<vtkUnstructuredGrid> read_grid(const std::filesystem::path& path
   fail_reading(path, "neither a legacy .vtk nor a .vtu file with an unstructured grid");
 }
 
-}  // namespace
-
-TetMesh read_vtu(const std::filesystem::path& path) {
+TetMesh tet_mesh_of(const std::filesystem::path& path) {
   const auto grid = read_with<vtkXMLUnstructuredGridReader, vtkUnstructuredGrid>(path);
   TetMesh mesh;
   mesh.nodes_mm = read_points(path, grid);
@@ -227,23 +248,23 @@ TetMesh read_vtu(const std::filesystem::path& path) {
   return mesh;
 }
 
-void read_surface(const std::filesystem::path& path, TetMesh& mesh) {
+/// Faces, surfaces and rims of a mesh of so many nodes.
+TetMesh surface_of(const std::filesystem::path& path, std::size_t nodes) {
+  TetMesh mesh;
   const auto data = read_with<vtkXMLPolyDataReader, vtkPolyData>(path);
   const auto points = static_cast<std::size_t>(data->GetNumberOfPoints());
   const auto faces = static_cast<std::size_t>(data->GetNumberOfPolys());
   auto node = scalars_of<std::int32_t>(find_array(path, data->GetPointData(), "GlobalNodeID", 1, points));
   if (node.size() != points) fail_reading(path, "point array 'GlobalNodeID' is missing");
   for (auto& id : node)
-    if (--id < 0 || static_cast<std::size_t>(id) >= mesh.nodes_mm.size())
+    if (--id < 0 || static_cast<std::size_t>(id) >= nodes)
       fail_reading(path, fmt::format("GlobalNodeID {} is not a node of the mesh", id + 1));
-  mesh.faces.clear();
   for (std::size_t f = 0; f < faces; ++f) {
     mesh.faces.push_back(read_cell<3>(path, data->GetPolys(), static_cast<vtkIdType>(f), points));
     for (auto& id : mesh.faces.back()) id = node[static_cast<std::size_t>(id)];
   }
   mesh.surface = scalars_of<std::int32_t>(find_array(path, data->GetCellData(), "surface", 1, faces));
   if (mesh.surface.size() != faces) fail_reading(path, "cell array 'surface' is missing");
-  mesh.rims.clear();
   const auto rim_tags = scalars_of<std::int32_t>(data->GetFieldData()->GetArray("rim_tag"));
   for (int a = 0; a < data->GetPointData()->GetNumberOfArrays() && mesh.rims.size() < rim_tags.size(); ++a) {
     const std::string name = data->GetPointData()->GetArrayName(a);
@@ -255,9 +276,10 @@ void read_surface(const std::filesystem::path& path, TetMesh& mesh) {
     mesh.rims.push_back(std::move(rim));
   }
   if (mesh.rims.size() != rim_tags.size()) fail_reading(path, "a rim of 'rim_tag' has no point array");
+  return mesh;
 }
 
-UnstructuredData read_unstructured(const std::filesystem::path& path) {
+UnstructuredData unstructured_of(const std::filesystem::path& path) {
   const auto grid = read_grid(path);
   UnstructuredData result;
   result.points = read_points(path, grid);
@@ -289,6 +311,55 @@ UnstructuredData read_unstructured(const std::filesystem::path& path) {
     if (const char* name = grid->GetFieldData()->GetArrayName(a))
       result.remarks.push_back(fmt::format("left out: the field data \"{}\"", name));
   return result;
+}
+
+/// What comes from behind the wall may have been damaged there.
+template <class Nodes>
+void check_ids(const std::filesystem::path& path, const Nodes& cells, std::size_t nodes) {
+  for (const auto& cell : cells)
+    for (const auto id : cell)
+      if (id < 0 || static_cast<std::size_t>(id) >= nodes)
+        fail_reading(path, fmt::format("names node {} of {}", id, nodes));
+}
+
+template <class T>
+void check_lengths(const std::filesystem::path& path, const std::map<std::string, std::vector<T>>& arrays,
+                   std::size_t length) {
+  for (const auto& [name, values] : arrays)
+    if (values.size() != length)
+      fail_reading(path, fmt::format("array '{}' has {} values instead of {}", name, values.size(), length));
+}
+
+}  // namespace
+
+TetMesh read_vtu(const std::filesystem::path& path) {
+  TetMesh mesh = read_by_vtk<TetMesh>(path, [&] { return tet_mesh_of(path); });
+  check_ids(path, mesh.cells, mesh.nodes_mm.size());
+  return mesh;
+}
+
+void read_surface(const std::filesystem::path& path, TetMesh& mesh) {
+  const std::size_t nodes = mesh.nodes_mm.size();
+  TetMesh surface = read_by_vtk<TetMesh>(path, [&] { return surface_of(path, nodes); });
+  check_ids(path, surface.faces, nodes);
+  mesh.faces = std::move(surface.faces);
+  mesh.surface = std::move(surface.surface);
+  mesh.rims = std::move(surface.rims);
+}
+
+UnstructuredData read_unstructured(const std::filesystem::path& path) {
+  UnstructuredData data = read_by_vtk<UnstructuredData>(path, [&] { return unstructured_of(path); });
+  check_ids(path, data.tets, data.points.size());
+  check_ids(path, data.faces, data.points.size());
+  const auto check = [&](const auto& scalars, const auto& vectors, const auto& tensors, std::size_t length) {
+    check_lengths(path, scalars, length);
+    check_lengths(path, vectors, length);
+    check_lengths(path, tensors, length);
+  };
+  check(data.point_scalars, data.point_vectors, data.point_tensors, data.points.size());
+  check(data.cell_scalars, data.cell_vectors, data.cell_tensors, data.tets.size());
+  check(data.face_scalars, data.face_vectors, data.face_tensors, data.faces.size());
+  return data;
 }
 
 }  // namespace heart::adapters

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <map>
 
 #include "generator/adapters/itk_io.hpp"
 #include "support/data.hpp"
@@ -117,6 +118,75 @@ TEST(Dicom, ATruncatedSliceIsNamedWhereverItEnds) {
     fs::resize_file(folder / "image 95", bytes);
     EXPECT_NE(testing::error_of([&] { adapters::read_ct(folder.string()); }), "") << bytes;
   }
+}
+
+TEST(Dicom, NoFileOfTheFolderIsDropped) {
+  const std::string slice = dicom(usual_series().front());
+  std::string without_mark = slice, long_element = slice;
+  without_mark[128] = 'X';
+  const auto thickness = long_element.find(std::string("\x18\0\x50\0DS", 6));
+  ASSERT_NE(thickness, std::string::npos);
+  long_element[thickness + 7] = '\x7f';
+  for (const auto& [name, contents] : std::map<std::string, std::string>{{"empty", ""},
+                                                                         {"short.dcm", slice.substr(0, 100)},
+                                                                         {"text.dcm", "not a slice"},
+                                                                         {"no mark", without_mark},
+                                                                         {"cut", slice.substr(0, slice.size() / 2)},
+                                                                         {"long element", long_element}}) {
+    const fs::path folder = written("dropped", usual_series());
+    testing::write_bytes(folder / name, contents);
+    const auto message = testing::error_of([&] { adapters::read_ct(folder.string()); });
+    EXPECT_NE(message.find((folder / name).string()), std::string::npos) << name << ": " << message;
+    fs::remove(folder / name);
+    EXPECT_EQ(adapters::read_ct(folder.string()).grid.size[2], 8) << name;
+  }
+  const fs::path folder = written("lost link", usual_series());
+  fs::create_symlink("nowhere", folder / "slice");
+  EXPECT_NE(testing::error_of([&] { adapters::read_ct(folder.string()); }).find("slice"), std::string::npos);
+}
+
+TEST(Dicom, NotesAndHiddenFilesAreNoSlices) {
+  const fs::path folder = written("notes", usual_series());
+  testing::write_bytes(folder / "README", "eight slices of a phantom\n");
+  testing::write_bytes(folder / ".DS_Store", std::string(600, '\0'));
+  testing::write_bytes(folder / "DICOMDIR", std::string(600, '\0'));
+  fs::create_directory(folder / "other");
+  EXPECT_EQ(adapters::read_ct(folder.string()).grid.size[2], 8);
+}
+
+/// GDCM reads such an element as if its 4 GB were there, and takes them.
+TEST(Dicom, ALengthBeyondTheFileIsRefusedBeforeMemoryIsTaken) {
+  const fs::path folder = written("4gb", usual_series());
+  std::string slice = dicom(usual_series()[3]);
+  const auto pixels = slice.find(std::string("\xe0\x7f\x10\0OW", 6));
+  ASSERT_NE(pixels, std::string::npos);
+  slice.replace(pixels + 8, 4, "\x00\x11\xff\xff", 4);
+  testing::write_bytes(folder / "image 96", slice);
+  const auto message = testing::error_of([&] { adapters::read_ct(folder.string()); });
+  EXPECT_NE(message.find("image 96"), std::string::npos) << message;
+  EXPECT_NE(message.find("(7fe0,0010)"), std::string::npos) << message;
+}
+
+TEST(Dicom, SequencesOfUndefinedLengthAreFollowed) {
+  const fs::path folder = written("sequences", usual_series());
+  const std::string undefined_length(4, '\xff');
+  const auto head = [&](std::string tag, const std::string& kind) { return tag + kind + undefined_length; };
+  const std::string item = head(std::string("\xfe\xff\x00\xe0", 4), ""), ends_item{"\xfe\xff\x0d\xe0\0\0\0\0", 8},
+                    ends_sequence{"\xfe\xff\xdd\xe0\0\0\0\0", 8};
+  const std::string known = head(std::string("\x08\0\x11\x11", 4), std::string("SQ\0\0", 4)) + item +
+                            element(8, 0x1150, "UI", "1.2.3") + ends_item + ends_sequence;
+  const std::string implicit = std::string("\x08\0\x50\x11", 4) + bytes(std::uint32_t{6}) + std::string("1.2.3\0", 6);
+  const std::string unknown =
+      head(std::string("\x09\0\x11\x11", 4), std::string("UN\0\0", 4)) + item + implicit + ends_item + ends_sequence;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::string slice = testing::bytes_of(entry.path());
+    slice.insert(slice.find(std::string("\x18\0\x50\0DS", 6)), known + unknown);
+    testing::write_bytes(entry.path(), slice);
+  }
+  EXPECT_EQ(adapters::read_ct(folder.string()).grid.size[2], 8);
+  const auto whole = fs::file_size(folder / "image 96");
+  fs::resize_file(folder / "image 96", whole - rows * columns * 2 - 60);
+  EXPECT_NE(testing::error_of([&] { adapters::read_ct(folder.string()); }).find("image 96"), std::string::npos);
 }
 
 TEST(Dicom, SeveralSeriesASingleSliceAndOneFileAreRefused) {

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 #include <iostream>
+#include <utility>
+#include <vector>
 
 #include "model/error.hpp"
 #include "support/data.hpp"
@@ -92,6 +96,77 @@ TEST(ItkIo, ADamagedHeaderGivesOneMessageWithoutAddresses) {
   EXPECT_NE(message.find("cannot be read"), std::string::npos) << message;
   for (const char* noise : {"0x", "No such file"}) EXPECT_EQ(message.find(noise), std::string::npos) << message;
   EXPECT_TRUE(std::cerr.good());
+}
+
+/// A header of ours with one line changed, or a line more.
+std::string meta_header(const std::string& key, const std::string& value) {
+  std::string text;
+  for (const auto& [name, usual] : std::vector<std::pair<std::string, std::string>>{{"ObjectType", "Image"},
+                                                                                    {"NDims", "3"},
+                                                                                    {"Comment", "none"},
+                                                                                    {"BinaryData", "True"},
+                                                                                    {"DimSize", "2 2 2"},
+                                                                                    {"Offset", "0 0 0"},
+                                                                                    {"ElementSpacing", "2 2 2"},
+                                                                                    {"ElementType", "MET_SHORT"}})
+    text += name + " = " + (name == key ? value : usual) + "\n";
+  if (text.find("\n" + key + " =") == std::string::npos) text += key + " = " + value + "\n";
+  return text + "ElementDataFile = LOCAL\n" + std::string(16, '\0');
+}
+
+/// The library writes all of these into places that are too small for some.
+TEST(ReadImage, LinesThatAMetaImageHasNoPlaceForAreRefused) {
+  const auto path = (testing::scratch_folder("itk_io_lines") / "x.mha").string();
+  const auto message_of = [&](const std::string& key, const std::string& value) {
+    testing::write_bytes(path, meta_header(key, value));
+    return testing::error_of([&] { adapters::read_image(path); });
+  };
+  EXPECT_EQ(message_of("Comment", std::string(200, 'c')), "");
+  EXPECT_EQ(message_of("TransformMatrix",
+                       "1.0000000000000000 0.0000000000000000 0.0000000000000000 0.0000000000000000 "
+                       "1.0000000000000000 0.0000000000000000 0.0000000000000000 0.0000000000000000 "
+                       "1.0000000000000000"),
+            "");
+  for (const auto& [key, value] :
+       std::vector<std::pair<std::string, std::string>>{{"Comment", std::string(300, 'c')},
+                                                        {"ObjectType", std::string(300, 'c')},
+                                                        {std::string(300, 'k'), "1"},
+                                                        {"NDims", "5000"},
+                                                        {"NDims", "0"},
+                                                        {"NDims", "three"},
+                                                        {"DimSize", "2 2"},
+                                                        {"DimSize", "2 2 -2"},
+                                                        {"DimSize", "2 2 nan"},
+                                                        {"DimSize", "99999 99999 99999"},
+                                                        {"DimSize", "2 2 40"},
+                                                        {"Offset", std::string(600, '1')},
+                                                        {"ElementType", "MET_NONE"},
+                                                        {"ElementSize", "1e99 1 1"}}) {
+    const auto message = message_of(key, value);
+    EXPECT_TRUE(key == "ElementSize" || message.find(path) != std::string::npos) << key << " " << value << message;
+    EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 0);
+  }
+}
+
+/// Geometry that cannot be, in every format that can say it.
+TEST_P(EveryFormat, RefusesOriginsSpacingsAndAxesThatCannotBe) {
+  const auto path = (testing::scratch_folder("itk_io_grids") / GetParam()).string();
+  const auto refused = [&](const std::function<void(Grid&)>& change) {
+    Volume<float> image(small_ct().grid, 1);
+    change(image.grid);
+    adapters::write_volume(path, image);
+    for (const auto& read :
+         std::vector<std::function<void()>>{[&] { adapters::read_image(path); }, [&] { adapters::read_ct(path); },
+                                            [&] { adapters::read_label_image(path); }})
+      if (testing::error_of(read).find(path) == std::string::npos) return false;
+    return true;
+  };
+  EXPECT_FALSE(refused([](Grid&) {}));
+  EXPECT_TRUE(refused([](Grid& grid) { grid.origin_mm.y = 1e6; }));
+  EXPECT_TRUE(refused([](Grid& grid) { grid.spacing_mm = {1e6, 1e6, 1e6}; }));
+  EXPECT_TRUE(refused([](Grid& grid) { grid.spacing_mm = {1e-8, 1e-8, 1e-8}; }));
+  if (std::string(GetParam()).find("nii") != std::string::npos) return;  // its writer turns such axes
+  EXPECT_TRUE(refused([](Grid& grid) { grid.direction = {{Vec3{1, 0.1, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}}; }));
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat, ::testing::Values("ct.nii", "ct.nii.gz", "ct.nrrd", "ct.mhd", "ct.mha"));

@@ -310,6 +310,67 @@ TEST(VtkIo, BrokenAtlasesAreRefused) {
     refuse(binary.substr(0, static_cast<std::size_t>(share * static_cast<double>(binary.size()))), "truncated binary");
 }
 
+/// The library believes the number behind CELLS and writes beyond its place.
+TEST(VtkIo, CellsThatDoNotFitTheirNumbersAreRefused) {
+  const auto path = scratch_folder("vtk_cells") / "x.vtk";
+  const auto message_of = [&](const std::string& keyword, const std::string& cells, const std::string& types) {
+    write_bytes(path,
+                "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n"
+                "0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\n" +
+                    keyword + " " + cells + "\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES " + types + "\n10\n10\n");
+    return error_of([&] { read_unstructured(path); });
+  };
+  EXPECT_EQ(message_of("CELLS", "2 10", "2"), "");
+  EXPECT_EQ(message_of("cells", "2 10", "2"), "");
+  for (const char* cells : {"2 5", "2 0", "2 9", "2 11", "150 1", "150 10", "1 10", "-1 10", "2 -10", "2", "x y"})
+    for (const char* keyword : {"CELLS", "cells"})
+      EXPECT_NE(message_of(keyword, cells, "2").find(path.string()), std::string::npos) << keyword << " " << cells;
+  for (const char* types : {"1", "3", "150", "-2"})
+    EXPECT_NE(message_of("CELLS", "2 10", types).find(path.string()), std::string::npos) << types;
+}
+
+TEST(VtkIo, BinaryCellsThatDoNotFitTheirNumbersAreRefused) {
+  const auto path = scratch_folder("vtk_binary_cells") / "x.vtk";
+  UnstructuredData data;
+  data.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  data.tets = {{0, 1, 2, 3}};
+  write_unstructured(path, data);
+  const std::string whole = bytes_of(path);
+  EXPECT_EQ(error_of([&] { read_unstructured(path); }), "");
+  const auto at = whole.find("CELLS 1 5\n");
+  ASSERT_NE(at, std::string::npos);
+  for (const char first : {'\x00', '\x05', '\x40', '\x7f', '\xff'}) {
+    std::string bytes = whole;
+    bytes[at + 13] = first;
+    write_bytes(path, bytes);
+    EXPECT_NE(error_of([&] { read_unstructured(path); }), "") << static_cast<int>(first);
+  }
+}
+
+/// Without header_type, or with a table of zeros, the library divides by the size of a block.
+TEST(VtkIo, BlocksOfNoBytesAreRefused) {
+  const auto folder = scratch_folder("vtk_blocks");
+  write_vtu(folder / "a.vtu", two_region_mesh(4));
+  const std::string whole = bytes_of(folder / "a.vtu");
+  const auto refused = [&](const std::string& bytes) {
+    write_bytes(folder / "b.vtu", bytes);
+    return !error_of([&] { read_unstructured(folder / "b.vtu"); }).empty();
+  };
+  EXPECT_FALSE(refused(whole));
+  const std::string header_type = " header_type=\"UInt64\"";
+  std::string other = whole;
+  if (const auto at = other.find(header_type); at != std::string::npos) {
+    EXPECT_TRUE(refused(other.erase(at, header_type.size())));
+  } else {
+    other.insert(other.find(" compressor="), header_type);
+    EXPECT_TRUE(refused(other));
+  }
+  const std::size_t width = whole.find(header_type) == std::string::npos ? 4 : 8;
+  other = whole;
+  other.replace(other.find("_", other.find("<AppendedData")) + 1 + width, width, width, '\0');
+  EXPECT_TRUE(refused(other));
+}
+
 TEST(VtkIo, AucklandVentricles) {
   const auto path = testing::real_data("auckland-heart/auckland_ventricles.vtk");
   if (path.empty()) GTEST_SKIP() << "auckland-heart is not on this machine";

@@ -8,6 +8,7 @@
 
 #include "generator/adapters/itk_io.hpp"
 #include "support/data.hpp"
+#include "support/files.hpp"
 #include "support/program.hpp"
 
 namespace heart {
@@ -120,6 +121,36 @@ TEST_F(BadInput, UnknownSubcommandAndOption) {
 TEST_F(BadInput, NotABundle) {
   expect_message("info .", {"manifest.json"});
   message_of("export . --to vtk --output out");
+}
+
+/// Files at which the libraries that read them write beyond their places, divide by zero or call themselves without
+/// end.
+TEST_F(BadInput, FilesThatEndALibraryEndInAMessage) {
+  const auto refuse = [&](const std::string& file, const std::string& contents, const std::string& command) {
+    testing::write_bytes(folder / file, contents);
+    expect_message(command, {file});
+  };
+  refuse("comment.mha",
+         "ObjectType = Image\nNDims = 3\nComment = " + std::string(300, 'c') +
+             "\nDimSize = 2 2 2\nElementSpacing = 2 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
+             std::string(16, '\0'),
+         "filter heat comment.mha out.nrrd --iterations 1");
+  refuse(
+      "cells.vtk",
+      "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 "
+      "1\nCELLS 2 5\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10\n10\n",
+      "improve cells.vtk out.vtu --goal-deg 1");
+  const std::string table = std::string("\x01\0\0\0\0\0\0\0", 8) + std::string(64, 'x');
+  refuse("blocks.vtu",
+         "<?xml version=\"1.0\"?><VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+         "compressor=\"vtkZLibDataCompressor\"><UnstructuredGrid><Piece NumberOfPoints=\"1\" NumberOfCells=\"1\">"
+         "<Points><DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" "
+         "offset=\"0\"/></Points></Piece></UnstructuredGrid><AppendedData encoding=\"raw\">_" +
+             table + "</AppendedData></VTKFile>",
+         "improve blocks.vtu out.vtu --goal-deg 1");
+  std::string keys;
+  for (int n = 0; n < 100000; ++n) keys += "a.";
+  refuse("deep.toml", keys + "a = 1\n", "build deep.toml --output out --quiet");
 }
 
 TEST_F(BadInput, UnknownFilterAndParameter) {

@@ -6,6 +6,7 @@
 
 #include "model/error.hpp"
 #include "support/data.hpp"
+#include "support/files.hpp"
 
 namespace heart {
 namespace {
@@ -87,6 +88,32 @@ TEST(Recipe, FibresByRuleAreNoGaps) {
 
 TEST(Recipe, BrokenTomlNamesTheLine) {
   EXPECT_NE(refusal("name = \"a\"\n[mesh\n").where.find(":2"), std::string::npos);
+}
+
+std::string error_of(const std::string& text) {
+  return testing::error_of([&] { read_recipe(recipe_file(text)); });
+}
+
+/// The parser, and what takes its tables away, go one call deeper for each.
+TEST(Recipe, TablesWithinTablesWithoutEndAreRefused) {
+  const auto repeated = [](const std::string& text, int count) {
+    std::string all;
+    for (int n = 0; n < count; ++n) all += text;
+    return all;
+  };
+  const int many = 100000;
+  for (const auto& text :
+       {repeated("a.", many) + "a = 1\n", "[" + repeated("a.", many) + "a]\n", "[[" + repeated("a.", many) + "a]]\n",
+        "a = " + repeated("[", many), "a = " + repeated("{a=", many), "a = " + repeated("[{a.b.c=", many),
+        repeated("a . ", many) + "a = 1\n", repeated("\"a\".", many) + "a = 1\n", repeated("'.'.", many) + "a = 1\n",
+        "a = 'x'\n" + repeated("a.", many), "a = \"\"\"\n\"\"\"\n" + repeated("a.", many),
+        "#\"\n" + repeated("a.", many)})
+    EXPECT_NE(error_of(text).find("not valid TOML"), std::string::npos) << text.substr(0, 30);
+  EXPECT_NE(error_of(std::string(5 << 20, '#')).find("too large"), std::string::npos);
+  // Points in texts, notes and numbers nest nothing.
+  EXPECT_EQ(error_of("name = \"" + repeated("a.", 100) + "\" #" + repeated("a.", 100) +
+                     "\n[mesh]\nresolutions_mm = [1.0" + repeated(", 1.0", 60) + "]\n"),
+            "");
 }
 
 TEST(Recipe, MissingFileIsAUserError) { EXPECT_THROW(read_recipe("no/such/recipe.toml"), UserError); }

@@ -1,0 +1,86 @@
+#include "generator/adapters/image_checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/error.hpp"
+#include "model/memory.hpp"
+
+namespace heart::adapters {
+namespace {
+
+constexpr double largest_anisotropy = 10, least_mm = 1e-6, most_mm = 1e5, same_direction = 1e-3;
+constexpr double most_voxels = 2048.0 * 2048 * 2048;
+
+void check_counts(const Index3& size, const std::string& path) {
+  double voxels = 1;
+  for (const auto length : size) {
+    if (length <= 0) throw UserError("is empty", path, "its header says zero voxels");
+    voxels *= static_cast<double>(length);
+  }
+  if (voxels > most_voxels)
+    throw UserError(fmt::format("has {} x {} x {} voxels, more than 2048 x 2048 x 2048", size[0], size[1], size[2]),
+                    path, "crop or resample the volume");
+}
+
+void check_spacing(const Vec3& s, const std::string& path) {
+  const double least = std::min({s.x, s.y, s.z}), most = std::max({s.x, s.y, s.z});
+  if (!(s.x > 0 && s.y > 0 && s.z > 0))
+    throw UserError("has a voxel spacing that is not positive", path, "repair the header");
+  if (!(least >= least_mm && most <= most_mm))
+    throw UserError(fmt::format("voxels of {:.6g} x {:.6g} x {:.6g} mm cannot be", s.x, s.y, s.z), path,
+                    "repair the header");
+  if (most > largest_anisotropy * least)
+    throw UserError(fmt::format("voxels of {:.6g} x {:.6g} x {:.6g} mm are more anisotropic than {}:1", s.x, s.y, s.z,
+                                largest_anisotropy),
+                    path, "resample the volume or use a thinner reconstruction");
+}
+
+void check_origin(const Vec3& origin, const std::string& path) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(std::abs(origin[axis]) <= most_mm))
+      throw UserError(fmt::format("an origin at {:.6g}, {:.6g}, {:.6g} mm cannot be", origin.x, origin.y, origin.z),
+                      path, "repair the header");
+}
+
+void check_direction(const Mat3& direction, const std::string& path) {
+  const Mat3 product = transposed(direction) * direction;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      if (!(std::abs(product[row][column] - (row == column ? 1 : 0)) < same_direction))
+        throw UserError("has a sheared or missing orientation matrix", path, "resample it to a regular grid");
+}
+
+}  // namespace
+
+void check_grid(const Grid& grid, const std::string& path) {
+  check_counts(grid.size, path);
+  check_spacing(grid.spacing_mm, path);
+  check_origin(grid.origin_mm, path);
+  check_direction(grid.direction, path);
+}
+
+void check_size(const Index3& size, const std::string& path, bool allow_2d) {
+  check_counts(size, path);
+  if (size[2] == 1 && !allow_2d) throw UserError("is a single slice, not a volume", path, "give the whole series");
+  constexpr double bytes_per_voxel = 40;  // that a build holds at its peak
+  const double voxels = static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]);
+  const double needed = voxels * bytes_per_voxel, there = memory_bytes();
+  if (there > 0 && needed > there)
+    throw UserError(
+        fmt::format("needs about {} of memory, and there are {}", text_of_bytes(needed), text_of_bytes(there)), path,
+        "crop or resample the volume, or give it more memory");
+}
+
+void check_claim(double claimed_bytes, double file_bytes, bool is_compressed, const std::string& path) {
+  constexpr double largest_compression = 1032;
+  if (claimed_bytes > file_bytes * (is_compressed ? largest_compression : 1))
+    throw UserError(
+        fmt::format("is truncated or damaged: its header claims {:.0f} bytes of voxels, the file has {:.0f}",
+                    claimed_bytes, file_bytes),
+        path, "copy or download it again");
+}
+
+}  // namespace heart::adapters

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "support/files.hpp"
+#include "support/data.hpp"
 #include "support/program.hpp"
 
 namespace heart {

@@ -16,7 +16,7 @@ comma := ,
 CLIENT_FORMATS := $(subst $(empty) $(empty),$(comma),vtk vtu msh msh-ascii msh2 dealii xdmf opencarp opencarp-binary chaste \
   svmultiphysics openfoam cardiacfoam medit mfem cardioid abaqus febio stl ply)
 
-.PHONY: all demo test test-clients test-machines bench asan format clean
+.PHONY: all demo test test-clients test-machines chaos bench asan format clean
 all: $(HEARTGEN)
 
 build/packages.stamp: .ci/install-packages
@@ -70,6 +70,11 @@ test-clients: demo/bundle/manifest.json build/clients.stamp
 # The same bits on other processors, vector instructions, threads, processes and BLAS.
 test-machines: $(HEARTGEN) build/machines.stamp
 	tests/machines/same_bits.sh $(HEARTGEN)
+
+# Kills, full disks, missing rights and memory: what a build leaves. Not a part of `make test`.
+KILLS := 100
+chaos: $(HEARTGEN)
+	/usr/bin/python3 tests/chaos/chaos.py $(HEARTGEN) --kills $(KILLS)
 
 # Speeds of the image stages on this machine; the last one on two processes.
 bench: $(HEARTGEN)

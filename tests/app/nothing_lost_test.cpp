@@ -243,7 +243,7 @@ TEST_F(NothingLost, PipesAndDevicesAreRefusedAsInput) {
        {"filter heat p.nii.gz o.nii", "filter heat p.nrrd o.nii", "filter heat p.mha o.nii", "filter heat p.mhd o.nii",
         "filter heat q.nrrd o.nii", "filter heat series o.nii", "mesh p.nii.gz o.vtu", "mesh p.nrrd o.vtu",
         "build p.toml --output o", "improve p.vtu o.vtu", "improve p.vtk o.vtu", "improve p.msh o.vtu",
-        "segment ct.nii.gz o.nii --recipe p.toml", "unpack p.tar.zst o"}) {
+        "segment p.toml ct.nii.gz o.nii", "unpack p.tar.zst o"}) {
     const auto run = heartgen(command, "timeout 60");
     EXPECT_EQ(run.exit_code, 2) << command << "\n" << run.errors;
     EXPECT_NE(run.errors.find("is a pipe or a device"), std::string::npos) << command << "\n" << run.errors;

@@ -154,5 +154,23 @@ TEST(Clients, SolversThatAreNotPackagedWouldReadThemAndRefuseSpoiledOnes) {
   testing::expect_script_succeeds("reader_rules.py", {folder / "exports"});
 }
 
+TEST(Export, NamesOfAFileDoNotLeaveTheFolder) {
+  const auto folder = testing::scratch_folder("export_names");
+  TetMesh mesh = testing::two_region_mesh(2);
+  for (const char* name : {"../../escaped", "/escaped", "\x1b[2J"}) {
+    for (const auto tag : mesh.surface) mesh.names[{2, tag}] = name;
+    for (const char* format : {"stl", "ply", "obj", "vtp", "opencarp", "svmultiphysics"})
+      EXPECT_NE(testing::error_of([&] {
+                  export_mesh(format, mesh, "mesh", folder / "in" / "out");
+                }).find("cannot be part of a file's name"),
+                std::string::npos)
+          << format;
+  }
+  for (const char* name : {"../escaped", "..", "/escaped"})
+    EXPECT_NE(testing::error_of([&] { export_mesh("vtk", mesh, name, folder / "in" / "out"); }), "") << name;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    EXPECT_EQ(entry.path().string().find("escaped"), std::string::npos) << entry.path();
+}
+
 }  // namespace
 }  // namespace heart::exporters

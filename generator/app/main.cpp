@@ -13,11 +13,13 @@
 #include <new>
 #include <thread>
 
+#include "generator/adapters/image_checks.hpp"
 #include "generator/app/options.hpp"
 #include "generator/app/versions.hpp"
 #include "generator/app/watch.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/memory.hpp"
 #include "model/text.hpp"
 
 namespace {
@@ -46,6 +48,8 @@ int run(Program& p) {
     throw UserError(fmt::format("{} threads would wait for each other", p.threads), "--threads",
                     fmt::format("give at most {} on this machine, or 0 for one per processor", most_threads));
   if (p.threads > 0) parallel::set_thread_count(p.threads);
+  if (!p.memory_limit.empty()) set_memory_limit(bytes_of_text(p.memory_limit, "--memory-limit"));
+  if (!p.size.empty()) adapters::check_size({p.size[0], p.size[1], p.size[2]}, "--size", true);
   if (!p.size.empty()) p.phantom.size = p.accuracy.size = p.bench.size = {p.size[0], p.size[1], p.size[2]};
   if (!p.spacing.empty())
     p.phantom.spacing_mm = p.accuracy.spacing_mm = p.bench.spacing_mm = {p.spacing[0], p.spacing[1], p.spacing[2]};
@@ -95,6 +99,9 @@ int command_line(int argc, char** argv) {
   p.app.set_version_flag("--version", program_version());
   p.app.require_subcommand(1);
   p.app.add_option("--threads", p.threads, "threads per process (default: all)");
+  p.app.add_option(
+      "--memory-limit", p.memory_limit,
+      "refuse work that needs more memory, e.g. 8G (default: what the machine, cgroups and ulimits leave)");
   p.app.fallthrough();
   add_bundle_options(p);
   add_tool_options(p);

@@ -25,6 +25,7 @@ struct Program {
   parallel::Comm comm;
   std::function<int()> chosen{};  // what the parsed subcommand does
   int threads = 0;
+  std::string memory_limit;
 
   BuildCommand build{};
   ValidateCommand validate{};

@@ -16,7 +16,11 @@ comma := ,
 CLIENT_FORMATS := $(subst $(empty) $(empty),$(comma),vtk vtu msh msh-ascii msh2 dealii xdmf opencarp opencarp-binary chaste \
   svmultiphysics openfoam cardiacfoam medit mfem cardioid abaqus febio stl ply)
 
-.PHONY: all demo test test-clients test-machines chaos bench asan format clean
+# Damaged files for every reader; seconds for each kind of file.
+FUZZ_SECONDS := 60
+FUZZ_KINDS := $(notdir $(wildcard tests/fuzz/corpus/*))
+
+.PHONY: all demo test test-clients test-machines chaos bench asan tsan fuzz format clean
 all: $(HEARTGEN)
 
 build/packages.stamp: .ci/install-packages
@@ -86,8 +90,24 @@ asan: build/packages.stamp
 	cmake --build --preset asan --parallel $(JOBS)
 	ctest --preset asan
 
+tsan: build/packages.stamp
+	cmake --preset tsan
+	cmake --build --preset tsan --parallel $(JOBS)
+	ctest --preset tsan
+
+# What libFuzzer finds new stays in build/fuzz/corpus; what a reader does not survive, in build/fuzz/KIND-crash-*.
+fuzz: build/fuzz.stamp
+	cmake --preset fuzz
+	cmake --build --preset fuzz --parallel $(JOBS)
+	@for kind in $(FUZZ_KINDS); do \
+	  echo "fuzz: $$kind, $(FUZZ_SECONDS) s"; mkdir -p build/fuzz/corpus/$$kind; \
+	  LSAN_OPTIONS=suppressions=tests/third_party_leaks.txt:print_suppressions=0 \
+	  build/fuzz/bin/fuzz_readers --kind=$$kind -max_total_time=$(FUZZ_SECONDS) -timeout=60 -rss_limit_mb=4096 -verbosity=0 \
+	    -artifact_prefix=build/fuzz/$$kind- build/fuzz/corpus/$$kind tests/fuzz/corpus/$$kind || exit 1; \
+	done
+
 format:
 	clang-format -i $$(git ls-files '*.hpp' '*.cpp')
 
 clean:
-	rm -rf $(BUILD) build/asan demo
+	rm -rf $(BUILD) build/asan build/tsan build/fuzz demo

@@ -90,7 +90,7 @@ double memory_bytes() {
 
 void set_memory_limit(double bytes) { users_limit = bytes; }
 
-double bytes_of_text(const std::string& text) {
+double bytes_of_text(const std::string& text, const std::string& where) {
   constexpr double least = 1 << 20;
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -98,7 +98,7 @@ double bytes_of_text(const std::string& text) {
   if (!unit.empty() && unit.front() == ' ') unit.erase(0, 1);
   const double bytes = number * unit_bytes(unit);
   if (error != std::errc() || !(bytes >= least) || !std::isfinite(bytes))
-    throw UserError(fmt::format("\"{}\" is no amount of memory", text), "",
+    throw UserError(fmt::format("\"{}\" is no amount of memory", text), where,
                     "give a number and a unit, such as 8G or 512M");
   return bytes;
 }

@@ -14,8 +14,8 @@ double memory_bytes();
 void set_memory_limit(double bytes);
 
 /// "512M", "8G", "8GiB", "1.5 TB" or a plain number of bytes: letters stand for powers of 1024, with "B" alone behind
-/// them for powers of 1000. Throws UserError for anything else, and for less than 1 MiB.
-double bytes_of_text(const std::string& text);
+/// them for powers of 1000. Throws UserError naming `where` for anything else, and for less than 1 MiB.
+double bytes_of_text(const std::string& text, const std::string& where);
 
 /// "3.2 GiB", "512 MiB"
 std::string text_of_bytes(double bytes);

@@ -23,7 +23,9 @@
 namespace heart::adapters {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef __has_feature
+constexpr bool is_sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool is_sanitized = true;  // needs terabytes of addresses, and must be heard
 #else
 constexpr bool is_sanitized = false;
@@ -63,7 +65,7 @@ void close_off(const Allowance& allowance) {
   is_child = true;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   constexpr int last_signal = 31;
-  for (int signal = 1; signal <= last_signal && !is_sanitized; ++signal) std::signal(signal, SIG_DFL);
+  for (int signal = 1; signal <= last_signal; ++signal) std::signal(signal, SIG_DFL);
   std::atexit([] { _exit(1); });  // a library that calls exit() must not run what this process has to do at its end
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})

@@ -17,7 +17,7 @@ constexpr double most_voxels = 2048.0 * 2048 * 2048;
 void check_counts(const Index3& size, const std::string& path) {
   double voxels = 1;
   for (const auto length : size) {
-    if (length <= 0) throw UserError("is empty", path, "its header says zero voxels");
+    if (length <= 0) throw UserError("is empty: a size below 1 voxel", path, "is it complete and undamaged?");
     voxels *= static_cast<double>(length);
   }
   if (voxels > most_voxels)

@@ -35,6 +35,7 @@
 #include "generator/segment/padding.hpp"
 #include "model/error.hpp"
 #include "model/feature_curves.hpp"
+#include "model/memory.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 #include "validation/contour_fit.hpp"
@@ -392,7 +393,7 @@ int mesh_command(const MeshCommand& command) {
     std::fflush(stderr);
   };
   const LabelVolume labels = labels_to_mesh(command);
-  check_memory(labels, settings, machine_memory_bytes());
+  check_memory(labels, settings, memory_bytes());
   Volume<float> own_edges_mm;
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
   const Volume<float>* edges = command.size_field.empty() ? nullptr : &own_edges_mm;

@@ -15,6 +15,7 @@
 #include <new>
 #include <thread>
 
+#include "generator/adapters/image_checks.hpp"
 #include "generator/app/options.hpp"
 #include "generator/app/output.hpp"
 #include "generator/app/versions.hpp"
@@ -22,6 +23,7 @@
 #include "generator/parallel/simd.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
+#include "model/memory.hpp"
 #include "model/text.hpp"
 #include "model/unfinished.hpp"
 
@@ -64,6 +66,8 @@ int run(Program& p) {
                     fmt::format("give at most {} on this machine, or 0 for one per processor", most_threads));
   if (p.threads > 0) parallel::set_thread_count(p.threads);
   if (!p.simd.empty()) choose_simd(p.simd);
+  if (!p.memory_limit.empty()) set_memory_limit(bytes_of_text(p.memory_limit, "--memory-limit"));
+  if (!p.size.empty()) adapters::check_size({p.size[0], p.size[1], p.size[2]}, "--size", true);
   if (!p.size.empty()) p.phantom.size = p.accuracy.size = p.bench.size = {p.size[0], p.size[1], p.size[2]};
   if (!p.spacing.empty())
     p.phantom.spacing_mm = p.accuracy.spacing_mm = p.bench.spacing_mm = {p.spacing[0], p.spacing[1], p.spacing[2]};
@@ -124,6 +128,9 @@ int command_line(int argc, char** argv) {
   p.app.add_option(
       "--simd", p.simd,
       "vector instructions at most: plain, avx2 or avx512 (default: the processor's best; the same results)");
+  p.app.add_option(
+      "--memory-limit", p.memory_limit,
+      "refuse work that needs more memory, e.g. 8G (default: what the machine, cgroups and ulimits leave)");
   p.app.fallthrough();
   add_bundle_options(p);
   add_tool_options(p);

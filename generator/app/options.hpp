@@ -26,6 +26,7 @@ struct Program {
   std::function<int()> chosen{};  // what the parsed subcommand does
   int threads = 0;
   std::string simd;
+  std::string memory_limit;
 
   BuildCommand build{};
   ValidateCommand validate{};

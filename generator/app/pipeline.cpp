@@ -22,6 +22,7 @@
 #include "generator/mesh/mesh_vessel.hpp"
 #include "generator/segment/vessel.hpp"
 #include "model/error.hpp"
+#include "model/memory.hpp"
 #include "model/parent_fibers.hpp"
 #include "validation/anatomy_checks.hpp"
 #include "validation/contour_fit.hpp"
@@ -378,7 +379,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   parallel::run_on_root(comm, [&] {
     segment::reopen_padding(ct.value, padding);
     refuse_empty_regions(*heart, recipe);
-    check_memory(*heart, recipe.mesh, machine_memory_bytes());
+    check_memory(*heart, recipe.mesh, memory_bytes());
     if (chambers_of_ct) refuse_cut_ventricles(*heart, padding);
     refuse_mirrored_heart(*heart, recipe.landmarks);
     const auto told = label_warnings(known.given->labels, *heart, !recipe.input.ct.empty());

@@ -1,7 +1,6 @@
 #include "generator/app/resolutions.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <limits>
@@ -14,6 +13,7 @@
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
+#include "model/memory.hpp"
 #include "validation/fiber_checks.hpp"
 
 namespace heart::app {
@@ -24,10 +24,9 @@ constexpr double finest_mm = 0.4, coarsest_mm = 3;
 
 void refuse_too_fine(double needed_bytes, double edge_mm, const char* setting, double memory_bytes) {
   if (memory_bytes <= 0 || needed_bytes <= memory_bytes) return;
-  constexpr double gb = 1e9;
-  throw UserError(fmt::format("an edge of {:g} mm would need about {:.3g} GB of memory, and this machine has {:.0f}",
-                              edge_mm, needed_bytes / gb, memory_bytes / gb),
-                  setting, "take a longer edge, or a machine with more memory");
+  throw UserError(fmt::format("an edge of {:g} mm would need about {} of memory, and there are {}", edge_mm,
+                              text_of_bytes(needed_bytes), text_of_bytes(memory_bytes)),
+                  setting, "take a longer edge, or give it more memory");
 }
 
 /// At least what tetrahedra of that edge need to fill the voxels that `counts` chooses.
@@ -109,11 +108,6 @@ Resolutions make_resolutions(const LabelVolume& labels, const MeshSettings& sett
     result.farthest_mm[name] = carried.farthest_mm;
   }
   return result;
-}
-
-double machine_memory_bytes() {
-  const auto pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGESIZE);
-  return pages > 0 && bytes > 0 ? static_cast<double>(pages) * static_cast<double>(bytes) : 0;
 }
 
 Report check_resolution_fibers(const std::map<std::string, TetMesh>& meshes, const MeshSettings& mesh_settings,

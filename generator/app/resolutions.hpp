@@ -34,9 +34,6 @@ void check_memory(const LabelVolume& labels, const MeshSettings& settings, doubl
 /// `myocardium` is the main mesh, with fibres. Throws UserError as mesh_heart. Not collective.
 Resolutions make_resolutions(const LabelVolume& labels, const MeshSettings& settings, const TetMesh& myocardium);
 
-/// Physical memory of this machine; 0: unknown.
-double machine_memory_bytes();
-
 /// Rows of the fibre certificate for the further meshes that `meshes` holds, as for the main mesh, under their names.
 Report check_resolution_fibers(const std::map<std::string, TetMesh>& meshes, const MeshSettings& mesh_settings,
                                const ValidationSettings& bounds);

@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "generator/adapters/image_checks.hpp"
 #include "model/error.hpp"
+#include "model/memory.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
 
@@ -212,6 +214,38 @@ TEST(ReadCt, RefusesLengthsInAnotherUnit) {
   const auto path = (testing::scratch_folder("itk_io_unit") / "ct.nrrd").string();
   adapters::write_volume(path, ct);
   EXPECT_NE(testing::error_of([&] { adapters::read_ct(path); }).find("in mm"), std::string::npos);
+}
+
+/// As many slices of 2048 x 2048 x 2048 voxels as have more of them than 32 bits can count.
+TEST(WithCanonicalAxes, FindsVoxelsBeyond32Bits) {
+  constexpr double needed_bytes = 6e9;
+  if (memory_bytes() < 2 * needed_bytes) GTEST_SKIP() << "needs a machine with 12 GB of memory";
+  Grid grid;
+  grid.size = {2048, 2048, 513};
+  grid.direction = {{Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1}}};
+  LabelVolume slab(grid);
+  ASSERT_GT(grid.voxel_count(), std::int64_t{1} << 31);
+  EXPECT_EQ(grid.offset(2047, 2047, 512), grid.voxel_count() - 1);
+  slab(0, 0, 0) = 1;
+  slab(2047, 2047, 512) = 2;
+  slab(3, 5, 511) = 3;
+  EXPECT_EQ(sample_linear(slab, {2047, 2047, 512}), 2);
+  const LabelVolume turned = adapters::with_canonical_axes(slab);
+  EXPECT_EQ(turned(2047, 0, 512), 1);
+  EXPECT_EQ(turned(0, 2047, 0), 2);
+  EXPECT_EQ(turned(2044, 5, 1), 3);
+  EXPECT_EQ(std::count(turned.voxels.begin(), turned.voxels.end(), 0), grid.voxel_count() - 3);
+}
+
+TEST(CheckGrid, AddressesAllOf2048CubedAndNoMore) {
+  Grid grid;
+  grid.size = {2048, 2048, 2048};
+  EXPECT_EQ(grid.offset(2047, 2047, 2047), (std::int64_t{1} << 33) - 1);
+  EXPECT_EQ(testing::error_of([&] { adapters::check_grid(grid, "scan"); }), "");
+  grid.size = {2048, 2048, 2049};
+  EXPECT_NE(testing::error_of([&] { adapters::check_grid(grid, "scan"); }).find("2049"), std::string::npos);
+  grid.size = {std::int64_t{1} << 32, std::int64_t{1} << 32, 1};  // 0 voxels, if 64 bits ran over
+  EXPECT_NE(testing::error_of([&] { adapters::check_grid(grid, "scan"); }), "");
 }
 
 TEST(ReadLabels, RefusesFractions) {

@@ -153,6 +153,37 @@ TEST_F(BadInput, FilesThatEndALibraryEndInAMessage) {
   refuse("deep.toml", keys + "a = 1\n", "build deep.toml --output out --quiet");
 }
 
+TEST_F(BadInput, WorkThatNeedsMoreMemoryThanThereIsIsRefusedBeforeItBegins) {
+  Grid grid;
+  grid.size = {64, 64, 64};
+  adapters::write_volume((folder / "ct.nii.gz").string(), CtVolume(grid, 0));
+  expect_message("filter heat ct.nii.gz out.nii --iterations 1 --memory-limit 1M", {"ct.nii.gz", "10 MiB", "1 MiB"});
+  for (const char* amount : {"lots", "8X", "0", "12"})
+    expect_message(std::string("filter heat ct.nii.gz out.nii --iterations 1 --memory-limit ") + amount,
+                   {"--memory-limit", amount});
+  expect_message("phantom out --size 2048,2048,2048 --memory-limit 16G", {"--size", "320 GiB", "16 GiB"});
+  expect_message("phantom out --size 999999,999999,999999", {"--size", "more than 2048"});
+}
+
+/// 8 GiB of voxels that take no room on the disk: what is refused was not read.
+TEST_F(BadInput, AVolumeOf2048CubedIsRefusedByItsHeader) {
+  Grid grid;
+  grid.size = {2, 2, 2};
+  adapters::write_volume((folder / "large.nii").string(), LabelVolume(grid, 1));
+  std::string bytes = testing::bytes_of(folder / "large.nii");
+  for (int axis = 0; axis < 3; ++axis) {  // dim[1..3], 16 bits each
+    bytes[static_cast<std::size_t>(42 + 2 * axis)] = 0;
+    bytes[static_cast<std::size_t>(43 + 2 * axis)] = 8;
+  }
+  testing::write_bytes(folder / "large.nii", bytes);
+  expect_message("filter heat large.nii out.nii --iterations 1 --memory-limit 64G", {"large.nii", "truncated"});
+  std::error_code no_room;
+  fs::resize_file(folder / "large.nii", 352 + (std::uintmax_t{1} << 33), no_room);
+  if (no_room) GTEST_SKIP() << "no file of 8 GiB can be made here";
+  expect_message("filter heat large.nii out.nii --iterations 1 --memory-limit 1G", {"large.nii", "320 GiB", "1 GiB"});
+  fs::remove(folder / "large.nii");
+}
+
 TEST_F(BadInput, UnknownFilterAndParameter) {
   expect_message("filter heet ct.nii.gz out.nii.gz", {"heet", "heat"});
   expect_message("filter heat ct.nii.gz out.nii.gz --iteration 3", {"iteration", "iterations"});

@@ -59,13 +59,13 @@ TEST(Memory, UlimitsAndTheUsersLimitCount) {
 }
 
 TEST(Memory, AmountsAreReadAndWritten) {
-  EXPECT_EQ(bytes_of_text("8G"), 8 * gib);
-  EXPECT_EQ(bytes_of_text("8 GiB"), 8 * gib);
-  EXPECT_EQ(bytes_of_text("1.5gb"), 1.5e9);
-  EXPECT_EQ(bytes_of_text("512m"), 0.5 * gib);
-  EXPECT_EQ(bytes_of_text("2147483648"), 2 * gib);
+  EXPECT_EQ(bytes_of_text("8G", ""), 8 * gib);
+  EXPECT_EQ(bytes_of_text("8 GiB", ""), 8 * gib);
+  EXPECT_EQ(bytes_of_text("1.5gb", ""), 1.5e9);
+  EXPECT_EQ(bytes_of_text("512m", ""), 0.5 * gib);
+  EXPECT_EQ(bytes_of_text("2147483648", ""), 2 * gib);
   for (const char* text : {"", "G", "8X", "-8G", "8GG", "nan", "infG", "1e400", "0", "5K", "8 G i", "8G 9"})
-    EXPECT_NE(testing::error_of([&] { bytes_of_text(text); }), "") << text;
+    EXPECT_NE(testing::error_of([&] { bytes_of_text(text, "--memory-limit"); }), "") << text;
   EXPECT_EQ(text_of_bytes(2 * gib), "2 GiB");
   EXPECT_EQ(text_of_bytes(0.5 * gib), "512 MiB");
   EXPECT_EQ(text_of_bytes(344e9), "320 GiB");

@@ -62,7 +62,9 @@ double unit_bytes(std::string unit) {
   const auto power = letters.find(unit.front());
   const std::string rest = unit.substr(1);
   if (power == std::string_view::npos || !(rest.empty() || rest == "B" || rest == "IB")) return 0;
-  return std::pow(rest == "B" ? 1000.0 : 1024.0, static_cast<double>(power + 1));
+  double bytes = 1;
+  for (std::size_t p = 0; p <= power; ++p) bytes *= rest == "B" ? 1000 : 1024;
+  return bytes;
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // A bundle against its manifest.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
@@ -6,6 +8,7 @@
 #include "exporters/files.hpp"
 #include "exporters/manifest.hpp"
 #include "model/error.hpp"
+#include "model/labels.hpp"
 
 namespace heart::exporters {
 namespace {
@@ -56,6 +59,17 @@ std::string defect_of_unlisted(const fs::path& folder, const std::string& path) 
   return is_plain_text(folder / path) ? "" : "is no log: it holds more than plain text";
 }
 
+/// The first schema's content id did not cover these: what it may say of them is known.
+void check_first_schema(const Manifest& manifest, std::vector<Problem>& problems) {
+  if (manifest.schema != first_bundle_schema) return;
+  const auto refuse = [&](const std::string& what) { problems.push_back({"manifest.json", what}); };
+  if (manifest.unit != "mm") refuse("its unit is not mm");
+  if (manifest.frame != "LPS") refuse("its frame is not LPS");
+  for (const auto& [name, tag] : manifest.regions)
+    if (region_name(tag) != name)
+      refuse(fmt::format("region '{}' has tag {}, which is '{}'", name, tag, region_name(tag)));
+}
+
 }  // namespace
 
 std::vector<Problem> verify_bundle(const fs::path& folder) {
@@ -77,6 +91,7 @@ std::vector<Problem> verify_bundle(const fs::path& folder) {
     if (const auto defect = defect_of_unlisted(folder, path); !defect.empty()) problems.push_back({path, defect});
   }
   check_mesh_entries(manifest, listed, problems);
+  check_first_schema(manifest, problems);
   if (content_id(manifest) != manifest.content_id)
     problems.push_back({"manifest.json", "content_id is not that of the model and its files"});
   return problems;

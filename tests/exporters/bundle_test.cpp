@@ -425,8 +425,13 @@ TEST(Verify, BundlesOfTheFirstSchemaKeepTheirId) {
   const auto id = manifest.content_id;
   write_bytes(folder / "manifest.json", manifest_text(manifest));
   EXPECT_TRUE(verify_bundle(folder).empty());
-  manifest.unit = "m";  // the files alone were covered
+  manifest.unit = "m";  // the files alone were covered: what else it says is known
   EXPECT_EQ(content_id(manifest), id);
+  std::swap(manifest.regions.at("lv_myocardium"), manifest.regions.at("trachea"));
+  write_bytes(folder / "manifest.json", manifest_text(manifest));
+  std::string text;
+  for (const auto& problem : verify_bundle(folder)) text += problem.what + "\n";
+  EXPECT_EQ(text.find("its unit is not mm\nregion 'lv_myocardium' has tag "), 0U) << text;
 }
 
 TEST(Verify, ResealedManifestStillNeedsTheContentId) {

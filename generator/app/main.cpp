@@ -98,10 +98,7 @@ int command_line(int argc, char** argv) {
   p.comm = parallel::world();
   p.app.set_version_flag("--version", program_version());
   p.app.require_subcommand(1);
-  p.app.add_option("--threads", p.threads, "threads per process (default: all)");
-  p.app.add_option(
-      "--memory-limit", p.memory_limit,
-      "refuse work that needs more memory, e.g. 8G (default: what the machine, cgroups and ulimits leave)");
+  add_machine_options(p, p.app);
   p.app.fallthrough();
   add_bundle_options(p);
   add_tool_options(p);

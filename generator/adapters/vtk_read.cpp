@@ -285,6 +285,8 @@ UnstructuredData unstructured_of(const std::filesystem::path& path) {
   result.points = read_points(path, grid);
   std::vector<vtkIdType> tets, triangles, nodes(result.points.size());
   OtherCells other;
+  tets.reserve(static_cast<std::size_t>(grid->GetNumberOfCells()));
+  result.tets.reserve(tets.capacity());
   for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c) {
     const int type = grid->GetCellType(c);
     if (type == VTK_TETRA) {

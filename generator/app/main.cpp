@@ -124,13 +124,7 @@ int command_line(int argc, char** argv) {
   if (!p.comm.is_root()) say_nothing_when_stopped();
   p.app.set_version_flag("--version", program_version());
   p.app.require_subcommand(1);
-  p.app.add_option("--threads", p.threads, "threads per process (default: all)");
-  p.app.add_option(
-      "--simd", p.simd,
-      "vector instructions at most: plain, avx2 or avx512 (default: the processor's best; the same results)");
-  p.app.add_option(
-      "--memory-limit", p.memory_limit,
-      "refuse work that needs more memory, e.g. 8G (default: what the machine, cgroups and ulimits leave)");
+  add_machine_options(p, p.app);
   p.app.fallthrough();
   add_bundle_options(p);
   add_tool_options(p);

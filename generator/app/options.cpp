@@ -22,6 +22,15 @@ std::string preset_names() {
   return names;
 }
 
+void add_machine_options(Program& p, CLI::App& app) {
+  app.add_option("--threads", p.threads, "threads per process (default: all)");
+  app.add_option(
+      "--simd", p.simd,
+      "vector instructions at most: plain, avx2 or avx512 (default: the processor's best; the same results)");
+  app.add_option("--memory-limit", p.memory_limit,
+                 "refuse work that needs more memory, e.g. 8G (default: what the machine, cgroups and ulimits leave)");
+}
+
 void add_heart_options(Program& p, CLI::App& sub, datasets::HeartOverrides& heart) {
   sub.add_option("--lv-wall", heart.lv_wall_mm, "mm, the left ventricle's wall, 5 to 18 (default: the variant's)");
   sub.add_option("--rv-wall", heart.rv_wall_mm, "mm, the right ventricle's, 2.5 to 8");

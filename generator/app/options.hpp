@@ -63,6 +63,9 @@ std::function<int()> on_root(Program& p, std::function<int()> action);
 /// Of label maps, for the help.
 std::string preset_names();
 
+/// Threads, vector instructions and memory, of every command.
+void add_machine_options(Program& p, CLI::App& app);
+
 /// What makes a phantom's heart unusual.
 void add_heart_options(Program& p, CLI::App& sub, datasets::HeartOverrides& heart);
 

@@ -21,7 +21,7 @@ void add_tools(Program& p) {
   filter->add_option("name", p.filter.name, "filter")->required();
   filter->add_option("input", p.filter.input, "image")->required();
   filter->add_option("output", p.filter.output, "image to write")->required();
-  filter->add_option("--threads", p.threads, "threads per process (default: all)");
+  add_machine_options(p, *filter);
   filter->fallthrough(false);
   filter->allow_extras();  // the filter's own parameters, checked against its table
   filter->callback([&p, filter] {

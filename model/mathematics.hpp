@@ -3,10 +3,10 @@
 // consistent results and without fused multiply-add (Shibata and Petrogalli, IEEE Transactions on Parallel and
 // Distributed Systems 31, 2020), at most one unit in the last place off.
 //
-// Our code calls them by these names and never std::sin and the like (tests/model/mathematics_test.cpp looks). A program
-// that links this unit has them under the C library's names too, so that headers and shared libraries of others (Eigen,
-// CGAL, Ceres, ITK, VTK) compute with the same ones. Square roots, remainders and rounding are exact everywhere and
-// stay the C library's.
+// Our code calls them by these names and never std::sin and the like (tests/model/mathematics_test.cpp looks). A
+// program that links this unit has them under the C library's names too, so that headers and shared libraries of others
+// (Eigen, CGAL, Ceres, ITK, VTK) compute with the same ones. Square roots, remainders and rounding are exact everywhere
+// and stay the C library's.
 #pragma once
 #include <cmath>
 

@@ -37,6 +37,7 @@ program: $(BUILD)/build.ninja
 $(HEARTGEN): program ;
 
 demo/phantom/recipe.toml: $(HEARTGEN)
+	rm -rf demo/phantom
 	$(HEARTGEN) phantom demo/phantom --size $(DEMO_SIZE) --spacing $(DEMO_SPACING)
 
 demo/bundle/manifest.json: demo/phantom/recipe.toml $(HEARTGEN)

@@ -68,15 +68,23 @@ std::string recipe_text(int variant) {
       variant);
 }
 
-/// Only what this command has written is written over.
-void require_own(const fs::path& recipe) {
-  if (!fs::exists(recipe)) return;
+/// Only what this command has written is written over: its recipe tells.
+void require_own(const fs::path& folder) {
+  const auto refuse = [](const fs::path& file) {
+    throw UserError("exists, and is not as this command writes it", file.string(),
+                    "name another folder, or move it away");
+  };
+  const fs::path recipe = folder / "recipe.toml";
+  if (!fs::exists(recipe)) {
+    for (const char* name : {"ct.nii.gz", "atlas.vtk", "landmarks.json", "carotid.nii.gz", "torso_mr.nii.gz",
+                             "torso_mr_landmarks.json", "truth"})
+      if (fs::exists(folder / name)) refuse(folder / name);
+    return;
+  }
   const auto text = exporters::read_text(recipe);
   const auto name = text.find("phantom-");
   const int variant = name == std::string::npos ? 0 : std::atoi(text.c_str() + name + std::string("phantom-").size());
-  if (text != recipe_text(variant))
-    throw UserError("exists, and is not as this command writes it", recipe.string(),
-                    "name another folder, or move it away");
+  if (text != recipe_text(variant)) refuse(recipe);
 }
 
 }  // namespace
@@ -100,7 +108,7 @@ int phantom_command(const PhantomCommand& command) {
   settings.overrides = command.heart;
   const fs::path folder = command.folder, recipe = folder / "recipe.toml";
   check_output(recipe);
-  require_own(recipe);
+  require_own(folder);
   write_phantom(folder, settings);
   if (command.json)
     fmt::print("{}\n", nlohmann::ordered_json{{"folder", folder.string()}, {"recipe", recipe.string()}}.dump(1));

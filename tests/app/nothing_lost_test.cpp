@@ -185,6 +185,17 @@ TEST_F(NothingLost, AnIgnoredSignalStaysIgnored) {
 
 // ---- older outputs ----
 
+TEST_F(NothingLost, APhantomIsNotWrittenOverAUsersScan) {
+  const auto before = bytes_of(folder / "ct.nii.gz");
+  const auto run = heartgen("phantom . --size 32,32,24 --spacing 10.8,10.8,12.6");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.errors,
+            "heartgen: ./ct.nii.gz: exists, and is not as this command writes it (name another folder, or "
+            "move it away)\n");
+  EXPECT_EQ(bytes_of(folder / "ct.nii.gz"), before);
+  EXPECT_FALSE(fs::exists(folder / "recipe.toml"));
+}
+
 TEST_F(NothingLost, AnOlderHeaderAndItsVoxelsStayWhereTheNewDoNotFit) {
   ASSERT_EQ(heartgen("filter heat ct.nii.gz o.mhd --iterations 1").exit_code, 0);
   const auto header = bytes_of(folder / "o.mhd"), voxels = bytes_of(folder / "o.zraw");

@@ -103,8 +103,9 @@ fuzz: build/fuzz.stamp
 	@for kind in $(FUZZ_KINDS); do \
 	  echo "fuzz: $$kind, $(FUZZ_SECONDS) s"; mkdir -p build/fuzz/corpus/$$kind; \
 	  LSAN_OPTIONS=suppressions=tests/third_party_leaks.txt:print_suppressions=0 \
-	  build/fuzz/bin/fuzz_readers --kind=$$kind -max_total_time=$(FUZZ_SECONDS) -timeout=60 -rss_limit_mb=4096 -verbosity=0 \
-	    -artifact_prefix=build/fuzz/$$kind- build/fuzz/corpus/$$kind tests/fuzz/corpus/$$kind || exit 1; \
+	  build/fuzz/bin/fuzz_readers --kind=$$kind -max_total_time=$(FUZZ_SECONDS) -timeout=60 -rss_limit_mb=4096 \
+	    -artifact_prefix=build/fuzz/$$kind- build/fuzz/corpus/$$kind tests/fuzz/corpus/$$kind \
+	    > build/fuzz/$$kind.log 2>&1 || { tail -40 build/fuzz/$$kind.log; exit 1; }; \
 	done
 
 format:

@@ -18,6 +18,7 @@
 #include "model/error.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
+#include "model/unfinished.hpp"
 
 namespace heart::app {
 namespace {
@@ -57,10 +58,12 @@ class ScratchFolder {
       throw UserError("no folder can be made there", fs::temp_directory_path().string(),
                       "set TMPDIR to a folder that you may write to");
     path_ = path;
+    note_unfinished(path_);  // a signal takes it away, too
   }
   ~ScratchFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
+    forget_unfinished(path_);
   }
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;

@@ -165,7 +165,7 @@ std::string one_line(std::string text) {
 }
 
 Allowance allowance_for(double file_bytes, double held_bytes) {
-  constexpr double base_bytes = 512 << 20, base_s = 60, bytes_per_s = 1e6;
+  constexpr double base_bytes = 512 << 20, base_s = 20, bytes_per_s = 1e6;
   const double wanted = base_bytes + 3 * (file_bytes + held_bytes), there = memory_bytes();
   return {there > 0 ? std::min(wanted, there) : wanted, base_s + (file_bytes + held_bytes) / bytes_per_s};
 }

@@ -69,7 +69,8 @@ void check_meta_header(const std::string& path) {
     }
     if (const auto value = meta_value(line, "DimSize"); !value.empty()) {
       const auto sizes = whole_numbers(value);
-      if (static_cast<std::int64_t>(sizes.size()) != dimensions || *std::min_element(sizes.begin(), sizes.end()) < 1)
+      const bool is_empty = std::any_of(sizes.begin(), sizes.end(), [](auto size) { return size < 1; });
+      if (dimensions == 0 || static_cast<std::int64_t>(sizes.size()) != dimensions || is_empty)
         refuse_header(path, fmt::format("{} dimensions of sizes {}", dimensions, one_line(value)));
     }
     if (!meta_value(line, "ElementDataFile").empty()) return;

@@ -148,6 +148,10 @@ TEST(ReadImage, LinesThatAMetaImageHasNoPlaceForAreRefused) {
     EXPECT_TRUE(key == "ElementSize" || message.find(path) != std::string::npos) << key << " " << value << message;
     EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 0);
   }
+  const auto whole = meta_header("NDims", "3");
+  testing::write_bytes(path, std::string(whole).erase(whole.find("NDims"), std::string_view("NDims = 3\n").size()));
+  EXPECT_NE(testing::error_of([&] { adapters::read_image(path); }).find("0 dimensions of sizes 2 2 2"),
+            std::string::npos);
 }
 
 /// Geometry that cannot be, in every format that can say it.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "exporters/bundle.hpp"
 #include "exporters/manifest.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
@@ -75,8 +77,25 @@ void read_places(const fs::path& path) {
 void read_names(const fs::path& path) {
   refusable([&] { labels::read_label_names(path.string()); });
 }
+/// A manifest as whoever means harm would write it: with its own hash.
+std::string sealed(const std::string& text) {
+  auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object()) return text;
+  const auto dumped = [&] { return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace); };
+  json.erase("manifest_sha256");
+  json["manifest_sha256"] = exporters::sha256_of_text(dumped());
+  return dumped() + "\n";
+}
+
 void read_contents(const fs::path& path) {
-  refusable([&] { exporters::parse_manifest(testing::bytes_of(path), path.string()); });
+  const auto text = testing::bytes_of(path);
+  for (const auto& written : {text, sealed(text)})
+    refusable([&] { exporters::parse_manifest(written, path.string()); });
+}
+void read_pack(const fs::path& path) {
+  const auto folder = path.parent_path() / "bundle";
+  refusable([&] { exporters::unpack_bundle(path, folder); });
+  fs::remove_all(folder);
 }
 void read_nodes(const fs::path& path) {
   refusable([&] { atlas::exnode::read_nodes(path.string()); });
@@ -93,7 +112,7 @@ struct Kind {
   const char* other_text = nullptr;
 };
 
-constexpr std::array<Kind, 21> table{{{"nii", "a.nii", &read_images},
+constexpr std::array<Kind, 22> table{{{"nii", "a.nii", &read_images},
                                       {"nii.gz", "a.nii.gz", &read_images},
                                       {"nrrd", "a.nrrd", &read_vectors},
                                       {"mha", "a.mha", &read_vectors},
@@ -112,6 +131,7 @@ constexpr std::array<Kind, 21> table{{{"nii", "a.nii", &read_images},
                                       {"landmarks", "a.json", &read_places},
                                       {"names", "a.json", &read_names},
                                       {"manifest", "manifest.json", &read_contents},
+                                      {"pack", "a.tar.zst", &read_pack},
                                       {"exnode", "a.exnode", &read_nodes},
                                       {"exelem", "a.exelem", &read_elements}}};
 

@@ -1,5 +1,5 @@
 // The corpus, and random changes of it, without libFuzzer: replay CORPUS SECONDS [SEED]. The changes are the same in
-// every run of a seed; how many of them there is time for is not. What a reader does not survive stays where the first
+// every run of a seed; a slow machine has time for fewer of them. What a reader does not survive stays where the first
 // line says.
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 using namespace heart;
 
 constexpr unsigned slowest_s = 60;  // for one file; three times what a library may take for a small one
+constexpr std::size_t most_files = 40'000;
 constexpr rlim_t most_bytes = rlim_t{8} << 30;
 
 struct Seed {
@@ -98,7 +99,7 @@ int replay(const fs::path& folder, double seconds, std::uint64_t random_seed) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   Random random(random_seed);
   std::size_t count = seeds.size();
-  for (; std::chrono::steady_clock::now() < end; ++count) {
+  for (; count < most_files && std::chrono::steady_clock::now() < end; ++count) {
     Seed seed = seeds[count % seeds.size()];
     const auto& other = seeds[below(random, seeds.size())];
     for (auto changes = 1 + below(random, 4); changes > 0; --changes) change(seed.bytes, other.bytes, random);

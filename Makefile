@@ -3,6 +3,7 @@
 
 BUILD := build/release
 HEARTGEN := $(BUILD)/bin/heartgen
+LAB := $(BUILD)/bin/heartgen-lab
 # One compiler needs up to 3 GB: as many jobs as processors, but no more than the memory can hold.
 JOBS := $(shell n=$$(nproc); m=$$(awk '/MemAvailable/ {print int($$2 / 3000000)}' /proc/meminfo); \
           [ $$m -lt 1 ] && m=1; [ $$n -lt $$m ] && echo $$n || echo $$m)
@@ -20,8 +21,11 @@ CLIENT_FORMATS := $(subst $(empty) $(empty),$(comma),vtk vtu msh msh-ascii msh2 
 FUZZ_SECONDS := 60
 FUZZ_KINDS := $(notdir $(wildcard tests/fuzz/corpus/*))
 
-.PHONY: all demo test test-clients test-machines chaos bench asan tsan fuzz format clean
+.PHONY: all lab demo test test-clients test-machines chaos bench rooms asan tsan fuzz format clean
 all: $(HEARTGEN)
+
+lab: $(BUILD)/build.ninja
+	cmake --build --preset release --parallel $(JOBS) --target heartgen-lab
 
 build/packages.stamp: .ci/install-packages
 	.ci/install-packages
@@ -82,9 +86,14 @@ chaos: $(HEARTGEN)
 	/usr/bin/python3 tests/chaos/chaos.py $(HEARTGEN) --kills $(KILLS)
 
 # Speeds of the image stages on this machine; the last one on two processes.
-bench: $(HEARTGEN)
-	$(HEARTGEN) bench sweep segment epicardium
-	OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun -n 2 $(HEARTGEN) bench ranks
+bench: lab
+	$(LAB) bench sweep segment epicardium
+	OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun -n 2 $(LAB) bench ranks
+
+# Rooms of the house and the arrows between them (cmake/rooms.cmake).
+rooms: $(BUILD)/build.ninja
+	@cmake --build --preset release --target test_architecture > /dev/null
+	@$(BUILD)/bin/test_architecture --gtest_filter=Rooms.Graph --gtest_brief=1
 
 asan: build/packages.stamp
 	cmake --preset asan

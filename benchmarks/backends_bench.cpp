@@ -19,7 +19,7 @@
 #include "validation/label_fidelity.hpp"
 #include "validation/mesh_checks.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
 constexpr const char* bench = "mesh-backends";
@@ -31,10 +31,10 @@ bool is_heart(std::uint8_t label) {
 LabelVolume heart_of(const Settings& settings) {
   LabelVolume labels;
   if (settings.labels.empty()) {
-    datasets::PhantomSettings phantom;
+    phantom::PhantomSettings phantom;
     phantom.variant = settings.variant;
     phantom.companions = phantom.fibers = false;
-    labels = datasets::make_phantom(phantom).labels;
+    labels = phantom::make_phantom(phantom).labels;
   } else {
     labels = adapters::read_labels(settings.labels);
   }
@@ -120,4 +120,4 @@ Table bench_mesh_backends(const Settings& settings, const parallel::Comm& comm) 
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -7,7 +7,7 @@
 #include "generator/parallel/comm.hpp"
 #include "model/grid.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 struct Settings {
   Index3 size{512, 512, 199};  ///< of the images that `ranks`, `segment` and `epicardium` work on
@@ -51,4 +51,4 @@ Table bench_mesh_vessels(const Settings& settings, const parallel::Comm& comm);
 Table bench_mesh_slice(const Settings& settings, const parallel::Comm& comm);
 Table bench_exports(const Settings& settings, const parallel::Comm& comm);
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

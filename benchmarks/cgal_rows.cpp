@@ -6,13 +6,13 @@
 
 #include "benchmarks/mesh_measures.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 void add_cgal_rows(Table& table, const char* bench, const adapters::ImplicitDomain& domain, const std::string& note,
                    double our_cells_per_second) {
   adapters::DelaunaySettings settings;
   settings.optimise_seconds = 60;  // perturbation and exudation each: ends before, or is cut off here
-  adapters::LabelledCells cells;
+  LabelledCells cells;
   const double time = seconds([&] { cells = adapters::mesh_implicit(domain, settings); });
   const auto angles = angles_of(cells.nodes_mm, cells.cells, [&](std::size_t i) { return cells.label[i] != 0; });
   const auto count = static_cast<double>(
@@ -26,4 +26,4 @@ void add_cgal_rows(Table& table, const char* bench, const adapters::ImplicitDoma
   add("our cells per second over its", our_cells_per_second / (count / time), "times", "");
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -5,10 +5,10 @@
 #include "benchmarks/measure.hpp"
 #include "generator/adapters/cgal_mesher.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 /// Meshes the domain with refinement, perturbation and exudation; adds speed and angles to the table.
 void add_cgal_rows(Table& table, const char* bench, const adapters::ImplicitDomain& domain, const std::string& note,
                    double our_cells_per_second);
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

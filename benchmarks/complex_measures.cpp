@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "generator/lattice/feature.hpp"
+#include "generator/tetmesh/feature.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
-using lattice::Complex;
-using lattice::Materials;
+using tetmesh::Complex;
+using tetmesh::Materials;
 
 Angles angles_of(const Complex& c) {
   return angles_of(c.nodes_mm, c.cells, [&](std::size_t i) { return c.cells[i][0] >= 0; });
@@ -34,12 +34,12 @@ Distances distances_of(const Complex& c, const Materials& materials) {
     const auto& cell = c.cells[t];
     for (std::size_t i = 0; i < 4 && cell[0] >= 0; ++i) {
       const std::array n{cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4]};
-      const lattice::LabelBits bits = c.bits(n[0]) & c.bits(n[1]) & c.bits(n[2]);
-      if (std::popcount(bits) < 2 || (bits & lattice::side_bits) != 0) continue;
-      if (lattice::cells_at_face(c, n[0], n[1], n[2])[1] >= 0) continue;
+      const tetmesh::LabelBits bits = c.bits(n[0]) & c.bits(n[1]) & c.bits(n[2]);
+      if (std::popcount(bits) < 2 || (bits & tetmesh::side_bits) != 0) continue;
+      if (tetmesh::cells_at_face(c, n[0], n[1], n[2])[1] >= 0) continue;
       const Vec3 a = c.at(n[0]), b = c.at(n[1]), d = c.at(n[2]);
       const double edge = (norm(b - a) + norm(d - b) + norm(a - d)) / 3;
-      found.push_back(lattice::distance_to(lattice::feature_at(materials, 3, (a + b + d) / 3)) / edge);
+      found.push_back(tetmesh::distance_to(tetmesh::feature_at(materials, 3, (a + b + d) / 3)) / edge);
     }
   }
   return summary_of(std::move(found));
@@ -74,4 +74,4 @@ std::int64_t defects_of(const Complex& c) {
   return defects;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -3,21 +3,21 @@
 #include <cstdint>
 
 #include "benchmarks/mesh_measures.hpp"
-#include "generator/lattice/complex.hpp"
-#include "generator/lattice/materials.hpp"
+#include "generator/tetmesh/complex.hpp"
+#include "generator/tetmesh/materials.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
-Angles angles_of(const lattice::Complex& complex);
+Angles angles_of(const tetmesh::Complex& complex);
 
 /// Of the cells with this label, mm^3.
-double volume_of(const lattice::Complex& complex, int label);
+double volume_of(const tetmesh::Complex& complex, int label);
 
 /// Of the outer faces' centres to the surface of one material, to first order, in shares of the face's mean edge. Faces
 /// in the sides of the box do not count.
-Distances distances_of(const lattice::Complex& complex, const lattice::Materials& materials);
+Distances distances_of(const tetmesh::Complex& complex, const tetmesh::Materials& materials);
 
 /// Edges with other than two outer faces, and faces with more than two cells.
-std::int64_t defects_of(const lattice::Complex& complex);
+std::int64_t defects_of(const tetmesh::Complex& complex);
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

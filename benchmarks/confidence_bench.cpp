@@ -12,14 +12,14 @@
 #include "benchmarks/benchmarks.hpp"
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
+#include "generator/anatomy/padding.hpp"
 #include "generator/landmarks/judge.hpp"
 #include "generator/landmarks/search.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/padding.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
 constexpr std::array chambers = {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood};
@@ -28,7 +28,7 @@ constexpr double least_dice = 0.6;
 
 /// Where things are in an image. Of a spoiled one nothing is right, whatever is found.
 struct Truth {
-  std::optional<datasets::HeartModel> model;
+  std::optional<phantom::HeartModel> model;
   std::map<std::string, Vec3> seeds_mm;  ///< without a model: a point of each chamber
   std::map<std::string, Vec3> valves_mm;
 };
@@ -49,7 +49,7 @@ struct Score {
   }
 };
 
-std::map<std::string, double> dice_of(const LabelVolume& found, const datasets::HeartModel& model) {
+std::map<std::string, double> dice_of(const LabelVolume& found, const phantom::HeartModel& model) {
   std::array<std::array<double, 3>, 256> counts{};  // found, true, both
   const auto& size = found.grid.size;
   for (std::int64_t k = 0; k < size[2]; k += 2)
@@ -57,7 +57,7 @@ std::map<std::string, double> dice_of(const LabelVolume& found, const datasets::
       for (std::int64_t i = 0; i < size[0]; i += 2) {
         const Vec3 at =
             lps_from_index(found.grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-        const auto mine = found(i, j, k), known = tag(datasets::region_at(model, at));
+        const auto mine = found(i, j, k), known = tag(phantom::region_at(model, at));
         ++counts[mine][0];
         ++counts[known][1];
         if (mine == known) ++counts[mine][2];
@@ -79,7 +79,7 @@ void score_chambers(const landmarks::SearchResult& result, const Truth& truth, S
     const auto seed = seeds.find(name);
     if (seed == seeds.end())
       score.fail("no " + name);
-    else if (truth.model && datasets::region_at(*truth.model, seed->second) != region)
+    else if (truth.model && phantom::region_at(*truth.model, seed->second) != region)
       score.fail(name + " elsewhere");
     else if (!truth.model && norm(seed->second - truth.seeds_mm.at(name)) > same_pool_mm)
       score.fail(name + " elsewhere");
@@ -139,19 +139,19 @@ using Cases = std::vector<std::function<Case()>>;
 struct Patient {
   int variant = 0;
   double noise_hu = 22;
-  datasets::HeartOverrides heart{};
+  phantom::HeartOverrides heart{};
   bool fine = false;
 };
 
 Case phantom_case(const std::string& name, const Patient& patient) {
-  datasets::PhantomSettings settings;
+  phantom::PhantomSettings settings;
   settings.size = patient.fine ? Index3{160, 160, 110} : Index3{128, 128, 90};
   settings.spacing_mm = patient.fine ? Vec3{2.2, 2.2, 2.8} : Vec3{2.8, 2.8, 3.4};
   settings.variant = patient.variant;
   settings.noise_hu = patient.noise_hu;
   settings.overrides = patient.heart;
   settings.companions = settings.fibers = false;
-  auto phantom = datasets::make_phantom(settings);
+  auto phantom = phantom::make_phantom(settings);
   Truth truth{phantom.model, {}, {}};
   for (const auto& [name_of, valve] : phantom.landmarks.valves) truth.valves_mm[name_of] = valve.center_mm;
   return {fmt::format("variant {} {}", patient.variant, name), std::move(phantom.ct), std::move(truth)};
@@ -167,19 +167,19 @@ void add_patients(Cases& cases) {
 }
 
 void add_shapes(Cases& cases) {
-  const std::vector<datasets::HeartOverrides> shapes = {{{}, {}, {}, Vec3{25, 0, 0}},
-                                                        {{}, {}, {}, Vec3{-25, 0, 0}},
-                                                        {{}, {}, {}, Vec3{0, 25, 0}},
-                                                        {{}, {}, {}, Vec3{0, -25, 0}},
-                                                        {{}, {}, {}, Vec3{0, 0, 25}},
-                                                        {{}, {}, {}, Vec3{0, 0, -25}},
-                                                        {{}, {}, {}, Vec3{20, 20, 20}},
-                                                        {{}, {}, {}, Vec3{-20, -20, -20}},
-                                                        {6, {}, {}, {}},
-                                                        {16, {}, {}, {}},
-                                                        {{}, 7.5, {}, {}},
-                                                        {{}, {}, 0.8, {}},
-                                                        {{}, {}, 1.25, {}}};
+  const std::vector<phantom::HeartOverrides> shapes = {{{}, {}, {}, Vec3{25, 0, 0}},
+                                                       {{}, {}, {}, Vec3{-25, 0, 0}},
+                                                       {{}, {}, {}, Vec3{0, 25, 0}},
+                                                       {{}, {}, {}, Vec3{0, -25, 0}},
+                                                       {{}, {}, {}, Vec3{0, 0, 25}},
+                                                       {{}, {}, {}, Vec3{0, 0, -25}},
+                                                       {{}, {}, {}, Vec3{20, 20, 20}},
+                                                       {{}, {}, {}, Vec3{-20, -20, -20}},
+                                                       {6, {}, {}, {}},
+                                                       {16, {}, {}, {}},
+                                                       {{}, 7.5, {}, {}},
+                                                       {{}, {}, 0.8, {}},
+                                                       {{}, {}, 1.25, {}}};
   for (const int variant : {0, 7})
     for (std::size_t s = 0; s < shapes.size(); ++s)
       cases.push_back([=] { return phantom_case(fmt::format("shape {}", s), {variant, 22, shapes[s]}); });
@@ -205,13 +205,13 @@ void thin_contrast(CtVolume& ct, double share) {
 }
 
 /// As without contrast: the phantom's blood as dark as unenhanced blood, its muscle too; bone stays.
-void take_contrast(CtVolume& ct, const datasets::HeartModel& model) {
+void take_contrast(CtVolume& ct, const phantom::HeartModel& model) {
   constexpr std::int16_t plain_hu = 45;
   const auto& size = ct.grid.size;
   for (std::int64_t k = 0; k < size[2]; ++k)
     for (std::int64_t j = 0; j < size[1]; ++j)
       for (std::int64_t i = 0; i < size[0]; ++i) {
-        const auto region = datasets::region_at(
+        const auto region = phantom::region_at(
             model, lps_from_index(ct.grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}));
         if (is_blood(region) || is_myocardium(region))
           ct(i, j, k) = static_cast<std::int16_t>(plain_hu + (ct(i, j, k) % 17));
@@ -307,7 +307,7 @@ const std::map<std::string, Truth>& public_scans() {
 
 Case scan_case(const std::filesystem::path& folder, const std::string& file) {
   Case scan{file, adapters::read_ct((folder / file).string()), public_scans().at(file)};
-  segment::close_padding(scan.ct, segment::find_padding(scan.ct));
+  anatomy::close_padding(scan.ct, anatomy::find_padding(scan.ct));
   return scan;
 }
 
@@ -355,4 +355,4 @@ Table bench_confidence(const Settings& settings, const parallel::Comm& comm) {
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -8,7 +8,7 @@
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
 namespace fs = std::filesystem;
@@ -104,4 +104,4 @@ Table bench_exports(const Settings&, const parallel::Comm& comm) {
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -5,25 +5,25 @@
 
 #include "benchmarks/benchmarks.hpp"
 #include "datasets/phantom/phantom.hpp"
+#include "generator/anatomy/epicardium.hpp"
+#include "generator/image/distance.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/diffusion.hpp"
-#include "generator/segment/distance.hpp"
-#include "generator/segment/epicardium.hpp"
-#include "generator/segment/hierarchy.hpp"
+#include "generator/pde/diffusion.hpp"
+#include "generator/pde/hierarchy.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
 using parallel::Comm;
 
-datasets::Phantom phantom_of(const Settings& settings) {
-  datasets::PhantomSettings phantom;
+phantom::Phantom phantom_of(const Settings& settings) {
+  phantom::PhantomSettings phantom;
   phantom.size = settings.size;
   phantom.spacing_mm = settings.spacing_mm;
   phantom.companions = phantom.fibers = false;
-  return datasets::make_phantom(phantom);
+  return phantom::make_phantom(phantom);
 }
 
 std::string size_of(const Grid& grid) { return fmt::format("{} x {} x {}", grid.size[0], grid.size[1], grid.size[2]); }
@@ -46,7 +46,7 @@ std::int64_t band_voxels(const LabelVolume& chambers, double band_mm) {
   Mask blood(chambers.grid);
   std::transform(chambers.voxels.begin(), chambers.voxels.end(), blood.voxels.begin(),
                  [](std::uint8_t label) { return is_ventricle(label) ? 1 : 0; });
-  const auto distance = segment::distance_to(blood);
+  const auto distance = image::distance_to(blood);
   return std::count_if(distance.voxels.begin(), distance.voxels.end(),
                        [&](float d) { return d > 0 && d <= static_cast<float>(band_mm); });
 }
@@ -62,14 +62,14 @@ Table bench_segment(const Settings& settings, const Comm& comm) {
   std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
   start_peak();
   const DenoiseSettings denoise;
-  const double denoising = seconds([&] { image = segment::perona_malik(image, denoise, comm); });
+  const double denoising = seconds([&] { image = pde::perona_malik(image, denoise, comm); });
   Table table{
       {"segment", fmt::format("denoising, {} steps, {}", denoise.iterations, size_of(ct.grid)), denoising, "s", ""}};
   double total = denoising;
   std::vector<SegmentationStep> steps;
   for (const auto& step : default_segmentation()) {  // the tree again and again, one step longer each time
     steps.push_back(step);
-    const double until_here = seconds([&] { segment::segment(image, steps, comm); });
+    const double until_here = seconds([&] { pde::segment(image, steps, comm); });
     table.push_back({"segment", fmt::format("tree up to the step \"{}\"", step.name), until_here, "s", ""});
     if (steps.size() == default_segmentation().size()) total += until_here;
   }
@@ -91,8 +91,8 @@ Table bench_epicardium(const Settings& settings, const Comm& comm) {
   }
   const EpicardiumSettings walls;
   start_peak();
-  segment::WallResult result;
-  const double time = seconds([&] { result = segment::epicardium(ct, chambers, walls, comm); });
+  anatomy::WallResult result;
+  const double time = seconds([&] { result = anatomy::epicardium(ct, chambers, walls, comm); });
   Table table{{"epicardium", fmt::format("walls of ventricles and atria, {}", size_of(ct.grid)), time, "s",
                "goal: 15 s for the ventricles, 4.4 M voxels"}};
   table.push_back({"epicardium", "duality gap of the ventricles", result.ventricle_duality_gap, "",
@@ -106,4 +106,4 @@ Table bench_epicardium(const Settings& settings, const Comm& comm) {
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

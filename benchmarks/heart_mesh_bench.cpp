@@ -18,19 +18,19 @@
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
 constexpr double wall_cells = 1.25e6;  // the thesis's
 
 LabelVolume labels_of(const Settings& settings) {
   if (!settings.labels.empty()) return adapters::read_labels(settings.labels);
-  datasets::PhantomSettings phantom;
+  phantom::PhantomSettings phantom;
   phantom.size = settings.size;
   phantom.spacing_mm = settings.spacing_mm;
   phantom.variant = settings.variant;
   phantom.companions = phantom.fibers = false;
-  return datasets::make_phantom(phantom).labels;
+  return phantom::make_phantom(phantom).labels;
 }
 
 /// Edges for as many cells in the walls; the share of what thin walls add is about the same in all hearts.
@@ -165,4 +165,4 @@ Table bench_mesh_heart(const Settings& settings, const parallel::Comm& comm) {
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

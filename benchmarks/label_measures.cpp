@@ -9,7 +9,7 @@
 #include "model/labels.hpp"
 #include "validation/label_fidelity.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
 bool is_inside(const Grid& grid, const Vec3& index) {
@@ -109,4 +109,4 @@ void add_regions(Table& table, const char* bench, const TetMesh& mesh, const Vol
                        fmt::format("volume {:+.2f} % of its level set's", 100 * (volume[r] / level_set[r] - 1))});
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -8,7 +8,7 @@
 #include "generator/mesh/lattice_cells.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 /// What the mesher took, step by step, and the angles; `bounds` are the remarks on the least and the greatest.
 void add_quality(Table& table, const char* bench, const TetMesh& mesh, const mesh::LatticeReport& report,
@@ -29,4 +29,4 @@ Volumes volumes_of(const Grid& grid, const LabelAt& label_at);
 /// Cells and volume of each region, next to its level set's.
 void add_regions(Table& table, const char* bench, const TetMesh& mesh, const Volumes& level_set);
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

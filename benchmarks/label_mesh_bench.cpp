@@ -20,14 +20,14 @@
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
-datasets::Phantom phantom_of(const Settings& settings) {
-  datasets::PhantomSettings phantom;
+phantom::Phantom phantom_of(const Settings& settings) {
+  phantom::PhantomSettings phantom;
   phantom.variant = settings.variant;
   phantom.fibers = false;
-  return datasets::make_phantom(phantom);
+  return phantom::make_phantom(phantom);
 }
 
 LabelVolume labels_of(const Settings& settings) {
@@ -182,4 +182,4 @@ Table bench_mesh_slice(const Settings& settings, const parallel::Comm& comm) {
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -15,7 +15,7 @@
 #include <malloc.h>
 #endif
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
 /// A field of /proc/self/status, in bytes.
@@ -103,4 +103,4 @@ double free_bytes() {
   return std::numeric_limits<double>::max();
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

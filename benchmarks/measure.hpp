@@ -7,7 +7,7 @@
 
 #include "generator/parallel/comm.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 /// One line of the table.
 struct Row {
@@ -51,4 +51,4 @@ double peak_bytes();
 /// Memory that the system could still give to this process, in bytes; huge where the system cannot tell.
 double free_bytes();
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -13,16 +13,16 @@
 #include "benchmarks/mesh_domains.hpp"
 #include "benchmarks/mesh_measures.hpp"
 #include "generator/adapters/cgal_mesher.hpp"
-#include "generator/lattice/feature.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/parallel/threads.hpp"
+#include "generator/tetmesh/feature.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
-using lattice::Complex;
-using lattice::Materials;
+using tetmesh::Complex;
+using tetmesh::Materials;
 
 // Of the domain of one material, on a fine grid whose cells are filled in part at the surface.
 double exact_volume_of(const AnalyticDomain& domain) {
@@ -105,7 +105,7 @@ void add_cgal(Table& table, double our_cells_per_second) {
   implicit.label_at = [&](const Vec3& p) { return p.z < 0 ? 0 : materials.label_at(p); };
   const auto seeds = mesh_of(ventricles(6), 0, 180, {}).complex;
   for (std::size_t n = 0; n < seeds.nodes_mm.size(); ++n)
-    if (lattice::is_constrained(seeds.touches[n])) implicit.surface_points_mm.push_back(seeds.nodes_mm[n]);
+    if (tetmesh::is_constrained(seeds.touches[n])) implicit.surface_points_mm.push_back(seeds.nodes_mm[n]);
   add_cgal_rows(table, "mesh-ventricles", implicit, "its base is not kept flat", our_cells_per_second);
 }
 
@@ -193,4 +193,4 @@ Table bench_mesh_walls(const Settings& settings, const parallel::Comm& comm) {
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -9,7 +9,7 @@
 
 #include "model/mathematics.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
 // Positive inside; the distance to first order.
@@ -81,11 +81,11 @@ AnalyticDomain random_walls(std::uint32_t seed) {
 
 // In the order of the fields: a pool goes before the wall around it. Surfaces are then zeros of single fields, and of
 // differences where two pools meet.
-lattice::Materials materials_of(const AnalyticDomain& domain) {
+tetmesh::Materials materials_of(const AnalyticDomain& domain) {
   std::vector<Field> fields;
   for (const auto& field : domain.fields)
     if (field) fields.push_back(field);
-  lattice::Materials m;
+  tetmesh::Materials m;
   m.box_min_mm = domain.box_min_mm;
   m.box_max_mm = domain.box_max_mm;
   m.edge_mm = [edge = domain.edge_mm](const Vec3&) { return edge; };
@@ -94,11 +94,11 @@ lattice::Materials materials_of(const AnalyticDomain& domain) {
       if (fields[i](p) > 0) return static_cast<int>(i) + 1;
     return 0;
   };
-  m.equations_at = [fields](lattice::LabelBits labels, const Vec3& p, std::span<lattice::Equation> equations) {
+  m.equations_at = [fields](tetmesh::LabelBits labels, const Vec3& p, std::span<tetmesh::Equation> equations) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < fields.size() && std::popcount(labels) > 1 && count < equations.size(); ++i) {
-      if ((labels & lattice::bit_of(static_cast<int>(i) + 1)) == 0) continue;
-      labels &= ~lattice::bit_of(static_cast<int>(i) + 1);
+      if ((labels & tetmesh::bit_of(static_cast<int>(i) + 1)) == 0) continue;
+      labels &= ~tetmesh::bit_of(static_cast<int>(i) + 1);
       equations[count++] = {fields[i](p), gradient_of(fields[i], p)};
     }
     return static_cast<int>(count);
@@ -106,4 +106,4 @@ lattice::Materials materials_of(const AnalyticDomain& domain) {
   return m;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

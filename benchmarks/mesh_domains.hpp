@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <functional>
 
-#include "generator/lattice/materials.hpp"
+#include "generator/tetmesh/materials.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 /// Material i + 1 is where fields[i] is the first positive one (mm, about a distance); outside none is positive.
 struct AnalyticDomain {
@@ -21,6 +21,6 @@ AnalyticDomain ventricles(double edge_mm);
 /// Two pools of blood and the wall around them: random pose, wall of 1.5 to 5 mm, bumps, waves of the wall's level set.
 AnalyticDomain random_walls(std::uint32_t seed);
 
-lattice::Materials materials_of(const AnalyticDomain& domain);
+tetmesh::Materials materials_of(const AnalyticDomain& domain);
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

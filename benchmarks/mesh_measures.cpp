@@ -5,7 +5,7 @@
 
 #include "model/mathematics.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 void add_cell(Angles& angles, const std::array<Vec3, 4>& p) {
   for (std::size_t i = 0; i < 4; ++i)
@@ -30,4 +30,4 @@ Distances summary_of(std::vector<double> distances) {
   return {distances[distances.size() * 99 / 100], distances.back()};
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

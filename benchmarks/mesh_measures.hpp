@@ -6,7 +6,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/vec.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 struct Angles {
   double least = 180, greatest = 0;  ///< dihedral, degrees
@@ -33,4 +33,4 @@ struct Distances {
 };
 Distances summary_of(std::vector<double> distances);
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

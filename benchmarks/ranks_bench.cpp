@@ -3,16 +3,16 @@
 #include "benchmarks/benchmarks.hpp"
 #include "benchmarks/test_images.hpp"
 #include "generator/parallel/slab.hpp"
-#include "generator/segment/chan_vese.hpp"
-#include "generator/segment/chan_vese_flow.hpp"
-#include "generator/segment/diffusion.hpp"
-#include "generator/segment/minimal_cut.hpp"
-#include "generator/segment/total_variation.hpp"
+#include "generator/pde/chan_vese.hpp"
+#include "generator/pde/chan_vese_flow.hpp"
+#include "generator/pde/continuous_min_cut.hpp"
+#include "generator/pde/diffusion.hpp"
+#include "generator/pde/total_variation.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
-using namespace heart::segment;
+using namespace pde;
 using parallel::Comm;
 using parallel::Slab;
 
@@ -105,7 +105,7 @@ double bandwidth_gain(const Comm& comm) {
 Table bench_ranks(const Settings& settings, const Comm& comm) {
   Table table;
   if (comm.size == 1) {
-    table.push_back({"ranks", "ranks", 1, "", "start it as: mpirun -n 2 heartgen bench ranks"});
+    table.push_back({"ranks", "ranks", 1, "", "start it as: mpirun -n 2 heartgen-lab bench ranks"});
     return table;
   }
   parallel::set_thread_count(1);
@@ -123,4 +123,4 @@ Table bench_ranks(const Settings& settings, const Comm& comm) {
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -1,6 +1,6 @@
 #include "benchmarks/benchmarks.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 const std::vector<Benchmark>& all() {
   static const std::vector<Benchmark> list{
@@ -24,4 +24,4 @@ const std::vector<Benchmark>& all() {
   return list;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

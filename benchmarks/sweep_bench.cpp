@@ -8,14 +8,14 @@
 #include "generator/parallel/simd.hpp"
 #include "generator/parallel/slab.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/chan_vese_flow.hpp"
-#include "generator/segment/diffusion.hpp"
-#include "generator/segment/total_variation.hpp"
+#include "generator/pde/chan_vese_flow.hpp"
+#include "generator/pde/diffusion.hpp"
+#include "generator/pde/total_variation.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 namespace {
 
-using namespace heart::segment;
+using namespace pde;
 using parallel::Comm;
 using parallel::Slab;
 
@@ -131,4 +131,4 @@ Table bench_sweep(const Settings& settings, const Comm& comm) {
   return table;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -6,7 +6,7 @@
 #include "model/mathematics.hpp"
 #include "model/volume.hpp"
 
-namespace heart::benchmarks {
+namespace heartgen::benchmarks {
 
 inline Grid grid_of(Index3 size, Vec3 spacing_mm = {0.5, 0.5, 1.2}) {
   Grid grid;
@@ -36,4 +36,4 @@ inline Volume<float> test_image(const Grid& grid) {
   return image;
 }
 
-}  // namespace heart::benchmarks
+}  // namespace heartgen::benchmarks

@@ -9,7 +9,7 @@
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 /// Number of the face that lies opposite corner 0, 1, 2, 3 of a C3D4.
@@ -84,4 +84,4 @@ Files export_abaqus(const ExportTask& task) {
   return {file.close(), write_markers(task)};
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

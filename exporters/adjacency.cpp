@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 struct KeyedFace {
@@ -45,4 +45,4 @@ std::vector<FaceCells> cells_of_faces(const TetMesh& mesh) {
   return cells;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

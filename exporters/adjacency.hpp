@@ -6,7 +6,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// Cells on the sides of a face, the lower id first; -1 where there is none (the outside).
 using FaceCells = std::array<std::int32_t, 2>;
@@ -14,4 +14,4 @@ using FaceCells = std::array<std::int32_t, 2>;
 /// Per face of the mesh. A face that belongs to no cell gets {-1, -1}.
 std::vector<FaceCells> cells_of_faces(const TetMesh& mesh);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

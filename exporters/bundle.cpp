@@ -14,12 +14,12 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/parallel/tasks.hpp"
 #include "model/error.hpp"
-#include "model/feature_curves.hpp"
 #include "model/labels.hpp"
+#include "model/mesh_queries/feature_curves.hpp"
 #include "model/parent_fibers.hpp"
 #include "model/text.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,7 +36,7 @@ void write_meshes(const Bundle& bundle, const Manifest& manifest, const fs::path
     files.emplace_back(named.faces.size(),
                        [mesh, path = folder / entry.surface_file] { adapters::write_vtp(path, *mesh); });
     files.emplace_back(named.faces.size(), [mesh, path = folder / entry.curve_file] {
-      adapters::write_curves(path, *mesh, feature_curves(*mesh));
+      adapters::write_curves(path, *mesh, mesh_queries::feature_curves(*mesh));
     });
   }
   if (!bundle.labels.voxels.empty())
@@ -159,4 +159,4 @@ LabelVolume read_labels(const fs::path& folder) {
 
 std::string read_recipe_text(const fs::path& folder) { return read_text(folder / "recipe.toml"); }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

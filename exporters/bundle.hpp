@@ -13,7 +13,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// Throws UserError where a file or folder that is to be written would lie in a bundle's folder: with it the bundle
 /// would no longer be what its manifest says.
@@ -126,4 +126,4 @@ void unpack_bundle(const std::filesystem::path& archive, const std::filesystem::
 std::string sha256_of_file(const std::filesystem::path& path);
 std::string sha256_of_text(const std::string& text);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

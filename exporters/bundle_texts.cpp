@@ -8,7 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -274,4 +274,4 @@ std::string ro_crate_text(const Manifest& manifest, const std::vector<ManifestFi
   return crate.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

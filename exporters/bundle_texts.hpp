@@ -5,7 +5,7 @@
 
 #include "exporters/bundle.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// README.md: files, frame, units, arrays, tags, loading, licence, atlas.
 std::string readme_text(const Manifest& manifest);
@@ -19,4 +19,4 @@ std::string citation_text(const Manifest& manifest);
 /// ro-crate-metadata.json, RO-Crate 1.1; `files` are the files of the bundle written so far.
 std::string ro_crate_text(const Manifest& manifest, const std::vector<ManifestFile>& files);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

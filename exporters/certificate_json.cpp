@@ -10,7 +10,7 @@
 #include "exporters/warning_json.hpp"
 #include "model/error.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -88,4 +88,4 @@ Certificate read_certificate(const std::filesystem::path& folder) {
   }
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -5,7 +5,7 @@
 
 #include "model/certificate.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// Keys `passed`, `verdict`, `warnings`, `uses`, `rows`. Numbers that are not finite become null.
 std::string certificate_json(const Certificate& certificate);
@@ -13,4 +13,4 @@ std::string certificate_json(const Certificate& certificate);
 /// validation/metrics.json of a bundle. Throws UserError where it is malformed.
 Certificate read_certificate(const std::filesystem::path& folder);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -5,7 +5,7 @@
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 std::filesystem::path write_faces(const ExportTask& task) {
@@ -56,4 +56,4 @@ Files export_chaste(const ExportTask& task) {
   return files;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

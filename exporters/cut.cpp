@@ -5,7 +5,7 @@
 #include "exporters/adjacency.hpp"
 #include "model/error.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 bool is_ventricle(Region r) {
@@ -139,4 +139,4 @@ TetMesh without_interfaces(TetMesh mesh) {
   return mesh;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

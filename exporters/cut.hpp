@@ -9,7 +9,7 @@
 #include "model/labels.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// Regions that a name stands for: one region, or "ventricles" (with the papillary muscles), "atria", "walls" (both),
 /// "blood". Throws UserError naming the known ones.
@@ -23,4 +23,4 @@ TetMesh only_regions(const TetMesh& mesh, const std::set<std::int32_t>& regions)
 /// The mesh with the faces of its outer boundary alone.
 TetMesh without_interfaces(TetMesh mesh);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -10,7 +10,7 @@
 #include "model/labels.hpp"
 #include "model/text.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 struct DeckFile {
@@ -298,4 +298,4 @@ Files write_deck(const ExportFormat& format, const ExportTask& task) {
   return files;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

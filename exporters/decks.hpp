@@ -6,7 +6,7 @@
 
 #include "exporters/registry.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// Writes NAME_README.md, and the files of exporters/decks/ for this format: those in muscle/ where the mesh has
 /// ventricles with fibres, in heart/ where it has nothing else, in torso/ where it has other tissue too. Returns the
@@ -23,4 +23,4 @@ constexpr double stimulus_radius_mm = 4;
 /// its read_msh.cpp, btest in utils.cpp): a number above 31 is another domain's bit, or none. Regions have those below.
 constexpr std::int32_t stimulus_domain = 30;
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

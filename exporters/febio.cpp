@@ -6,7 +6,7 @@
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 using Groups = std::map<std::int32_t, std::vector<std::size_t>>;
@@ -84,4 +84,4 @@ Files export_febio(const ExportTask& task) {
   return {file.close(), write_markers(task)};
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

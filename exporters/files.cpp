@@ -9,7 +9,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 std::string read_text(const std::filesystem::path& path) {
   require_input_file(path);
@@ -65,4 +65,4 @@ std::filesystem::path hidden_sibling(const std::filesystem::path& folder, const 
   return path.parent_path() / fmt::format(".{}.{}", path.filename().string(), suffix);
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

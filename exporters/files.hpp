@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// Throws UserError when the file is missing or cannot be read.
 std::string read_text(const std::filesystem::path& path);
@@ -26,4 +26,4 @@ std::vector<std::string> files_below(const std::filesystem::path& folder);
 std::filesystem::path plain_path(const std::filesystem::path& folder);
 std::filesystem::path hidden_sibling(const std::filesystem::path& folder, const std::string& suffix);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -8,7 +8,7 @@
 
 #include "exporters/registry.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 using Files = std::vector<std::filesystem::path>;
 
@@ -67,4 +67,4 @@ Files with_axes(Files files, const ExportTask& task, WriteAxes&& write_axes) {
   return files;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

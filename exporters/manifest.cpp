@@ -8,11 +8,11 @@
 #include "exporters/files.hpp"
 #include "exporters/warning_json.hpp"
 #include "model/error.hpp"
-#include "model/feature_curves.hpp"
 #include "model/labels.hpp"
+#include "model/mesh_queries/feature_curves.hpp"
 #include "model/printable.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 using Json = nlohmann::json;
 
@@ -68,8 +68,8 @@ ManifestMesh describe_mesh(const std::string& name, const TetMesh& mesh) {
   for (const auto tag : mesh.region) ++result.regions[region_name(tag)];
   for (const auto tag : mesh.surface) ++result.surfaces[surface_name(tag)];
   for (const auto& rim : mesh.rims) result.rims[rim.name] = static_cast<std::int64_t>(rim.nodes.size());
-  for (const auto& curve : feature_curves(mesh))
-    result.curves[curve_name(curve)] = static_cast<std::int64_t>(curve.edges.size());
+  for (const auto& curve : mesh_queries::feature_curves(mesh))
+    result.curves[mesh_queries::curve_name(curve)] = static_cast<std::int64_t>(curve.edges.size());
   return result;
 }
 
@@ -217,4 +217,4 @@ Manifest parse_manifest(const std::string& text, const std::string& path) {
   }
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -5,7 +5,7 @@
 
 #include "exporters/bundle.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 inline constexpr const char* bundle_schema = "heartgen-bundle-2";
 inline constexpr const char* first_bundle_schema = "heartgen-bundle-1";  ///< its content id covers the files alone
@@ -29,4 +29,4 @@ std::string manifest_text(const Manifest& manifest);
 /// Throws UserError (where = `path`) for anything that manifest_text would not have written, byte for byte.
 Manifest parse_manifest(const std::string& text, const std::string& path);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

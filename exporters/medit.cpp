@@ -4,7 +4,7 @@
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 std::filesystem::path write_mesh(const ExportTask& task) {
@@ -39,4 +39,4 @@ Files export_medit(const ExportTask& task) {
   return with_axes({write_mesh(task), write_markers(task)}, task, write_axes);
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

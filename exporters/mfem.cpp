@@ -3,7 +3,7 @@
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 constexpr int triangle = 2, tetrahedron = 4;
@@ -39,4 +39,4 @@ Files export_mfem(const ExportTask& task) {
   return with_axes({write_mesh(task), write_markers(task)}, task, write_axes);
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

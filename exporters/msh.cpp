@@ -14,7 +14,7 @@
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 struct Entity {
@@ -371,4 +371,4 @@ Files export_dealii(const ExportTask& task) {
   return export_msh22_ascii({outer, task.mesh_name, task.folder, task.unit});
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

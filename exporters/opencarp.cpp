@@ -11,7 +11,7 @@
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 constexpr std::size_t header_bytes = 1024;
@@ -141,4 +141,4 @@ Files export_opencarp_binary(const ExportTask& task) {
   return with_surfaces(task, {write_bpts(task), write_belem(task), write_blon(task)});
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

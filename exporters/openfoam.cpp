@@ -7,7 +7,7 @@
 #include "exporters/out_file.hpp"
 #include "exporters/poly_faces.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -181,4 +181,4 @@ Files export_openfoam(const ExportTask& task) {
   return files;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

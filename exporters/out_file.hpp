@@ -14,7 +14,7 @@
 #include "model/error.hpp"
 #include "model/new_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 class OutFile {
  public:
@@ -72,4 +72,4 @@ class OutFile {
   fmt::memory_buffer buffer_;
 };
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -17,7 +17,7 @@
 #include "model/new_file.hpp"
 #include "model/text.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -192,4 +192,4 @@ void unpack_bundle(const fs::path& archive, const fs::path& folder) {
   move_into_place(place, Existing::refuse);
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

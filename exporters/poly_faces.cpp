@@ -6,7 +6,7 @@
 
 #include "model/error.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 /// A face as one cell sees it.
@@ -115,4 +115,4 @@ PolyFaces poly_faces(const TetMesh& mesh) {
   return result;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -5,7 +5,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// Inner faces first, by owner, then by neighbour ("upper triangular"); then the outer ones by surface tag, then by
 /// owner. A face's normal points out of its owner, the cell of the lower id.
@@ -19,4 +19,4 @@ struct PolyFaces {
 /// Throws UserError where three cells share a face.
 PolyFaces poly_faces(const TetMesh& mesh);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

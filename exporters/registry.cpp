@@ -13,7 +13,7 @@
 #include "model/labels.hpp"
 #include "model/text.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 constexpr std::array formats = {
@@ -147,4 +147,4 @@ std::filesystem::path write_markers(const ExportTask& task) {
   return path;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

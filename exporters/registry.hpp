@@ -8,7 +8,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 /// What a format's function gets: a mesh whose nodes are already in the unit asked for.
 struct ExportTask {
@@ -44,4 +44,4 @@ std::vector<std::filesystem::path> export_mesh(std::string_view format, const Te
                                                const std::string& mesh_name, const std::filesystem::path& folder,
                                                std::string_view unit = "");
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

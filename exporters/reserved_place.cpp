@@ -19,7 +19,7 @@
 #include "model/error.hpp"
 #include "model/unfinished.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -232,4 +232,4 @@ void move_into_place(const ReservedPlace& place, Existing existing) {
   if (error) throw UserError("cannot put the bundle in place: " + error.message(), folder.string(), "");
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 
 enum class Existing { refuse, replace };
 
@@ -26,4 +26,4 @@ ReservedPlace reserve_place(const std::filesystem::path& folder, Existing existi
 /// that. Throws UserError as reserve_place does: what stands there may have changed.
 void move_into_place(const ReservedPlace& place, Existing existing);
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

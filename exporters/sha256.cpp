@@ -8,7 +8,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 class Sha256 {
@@ -51,4 +51,4 @@ std::string sha256_of_text(const std::string& text) {
   return sha.hex();
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

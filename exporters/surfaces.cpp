@@ -8,7 +8,7 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 /// Triangles on their own points.
@@ -100,4 +100,4 @@ Files export_vtp(const ExportTask& task) {
   });
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

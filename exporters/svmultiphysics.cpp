@@ -19,7 +19,7 @@
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 std::vector<std::int32_t> one_to(std::size_t count) {
@@ -104,4 +104,4 @@ Files export_svmultiphysics(const ExportTask& task) {
   return files;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

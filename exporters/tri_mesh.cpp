@@ -4,7 +4,7 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "model/error.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 constexpr int msh_line = 1, msh_triangle = 2;
@@ -47,4 +47,4 @@ std::vector<std::filesystem::path> write_tri_mesh(const std::filesystem::path& p
   return {path, edges};
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

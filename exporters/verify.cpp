@@ -10,7 +10,7 @@
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -97,4 +97,4 @@ std::vector<Problem> verify_bundle(const fs::path& folder) {
   return problems;
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -6,7 +6,7 @@
 #include "exporters/out_file.hpp"
 #include "generator/adapters/vtk_io.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 /// Numbers as text, a row a line, or as big-endian bytes.
@@ -137,4 +137,4 @@ Files export_vtu(const ExportTask& task) {
   return {volume, faces, write_markers(task)};
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -8,7 +8,7 @@
 
 #include "model/certificate.hpp"
 
-namespace heart {
+namespace heartgen {
 
 /// Throws std::invalid_argument for a word that is none of `names`.
 template <class Enum, std::size_t N>
@@ -53,4 +53,4 @@ void from_json(const Json& json, UseVerdict& use) {
   json.at("remedy").get_to(use.remedy);
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -16,7 +16,7 @@
 #include "exporters/out_file.hpp"
 #include "model/error.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 /// An HDF5 identifier that closes itself.
@@ -230,4 +230,4 @@ Files export_xdmf(const ExportTask& task) {
   return {write_h5(task), write_facets_h5(task), write_volume_xdmf(task), write_facets_xdmf(task), write_markers(task)};
 }
 
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

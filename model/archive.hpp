@@ -14,7 +14,7 @@
 #include "model/unstructured_data.hpp"
 #include "model/volume.hpp"
 
-namespace heart {
+namespace heartgen {
 
 template <class T>
 auto members(Volume<T>& v) {
@@ -127,4 +127,4 @@ struct Unpacking {
   }
 };
 
-}  // namespace heart
+}  // namespace heartgen

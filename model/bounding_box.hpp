@@ -6,7 +6,7 @@
 
 #include "model/vec.hpp"
 
-namespace heart {
+namespace heartgen {
 
 /// Lowest and highest corner; both zero without points.
 inline std::pair<Vec3, Vec3> bounding_box(const std::vector<Vec3>& points) {
@@ -25,4 +25,4 @@ inline double longest_side(const std::vector<Vec3>& points) {
   return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -7,7 +7,7 @@
 
 #include "model/report.hpp"
 
-namespace heart {
+namespace heartgen {
 
 /// `note`: good to know, such as where the fibres come from. `warning`: check this before you rely on it. `doubt`: the
 /// model may be wrong as a whole; it exists because its user accepted that.
@@ -57,4 +57,4 @@ inline Verdict verdict_of(const Certificate& certificate) {
   return count_of(certificate.rows, Verdict::passed) > 0 ? Verdict::passed : Verdict::told;
 }
 
-}  // namespace heart
+}  // namespace heartgen

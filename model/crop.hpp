@@ -6,7 +6,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart {
+namespace heartgen {
 
 /// Voxels [begin, end) along each axis.
 struct Box {
@@ -60,4 +60,4 @@ void paste(const Volume<T>& part, const Box& box, Volume<T>& whole) {
       std::copy_n(&part(0, j, k), part.grid.size[0], &whole(box.begin[0], box.begin[1] + j, box.begin[2] + k));
 }
 
-}  // namespace heart
+}  // namespace heartgen

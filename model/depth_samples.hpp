@@ -2,11 +2,11 @@
 #pragma once
 #include <vector>
 
-namespace heart {
+namespace heartgen {
 
 struct DepthSamples {
   std::vector<float> depth;      ///< 0 endocardium to 1 epicardium
   std::vector<float> helix_deg;  ///< per entry of `depth`, -90 to 90
 };
 
-}  // namespace heart
+}  // namespace heartgen

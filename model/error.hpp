@@ -3,7 +3,7 @@
 #include <exception>
 #include <string>
 
-namespace heart {
+namespace heartgen {
 
 /// A mistake in the user's input: what is wrong, where (file, key, line), and what to do about it.
 /// main prints the three in one line and exits with code 2.
@@ -21,4 +21,4 @@ struct UserError : std::exception {
   const char* what() const noexcept override { return message.c_str(); }
 };
 
-}  // namespace heart
+}  // namespace heartgen

@@ -4,7 +4,7 @@
 #include <initializer_list>
 #include <string>
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
@@ -27,4 +27,4 @@ AxisName axis_name(std::string_view array) {
   return AxisName::none;
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -2,7 +2,7 @@
 #pragma once
 #include <string_view>
 
-namespace heart {
+namespace heartgen {
 
 enum class AxisName { none, fiber, sheet, sheet_normal };
 
@@ -10,4 +10,4 @@ enum class AxisName { none, fiber, sheet, sheet_normal };
 /// both "sheet" and "normal", n0, e3. Small and capital letters are the same.
 AxisName axis_name(std::string_view array);
 
-}  // namespace heart
+}  // namespace heartgen

@@ -6,7 +6,7 @@
 
 #include "model/vec.hpp"
 
-namespace heart {
+namespace heartgen {
 
 using Index3 = std::array<std::int64_t, 3>;
 
@@ -49,4 +49,4 @@ inline bool contains_point(const Grid& grid, const Vec3& lps_mm) {
 /// LPS direction (unit length kept) of a vector given along the grid's axes in mm.
 inline Vec3 lps_from_axes(const Grid& grid, const Vec3& axes_mm) { return grid.direction * axes_mm; }
 
-}  // namespace heart
+}  // namespace heartgen

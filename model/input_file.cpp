@@ -4,7 +4,7 @@
 
 #include "model/error.hpp"
 
-namespace heart {
+namespace heartgen {
 
 void require_input_file(const std::filesystem::path& path, const char* remedy) {
   namespace fs = std::filesystem;
@@ -19,4 +19,4 @@ void require_input_file(const std::filesystem::path& path, const char* remedy) {
   if (access(path.c_str(), R_OK) != 0) throw UserError("no right to read it", path.string(), "change its rights");
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -2,10 +2,10 @@
 #pragma once
 #include <filesystem>
 
-namespace heart {
+namespace heartgen {
 
 /// Whatever reads a file that a user or another file names calls this first. Throws UserError where there is none,
 /// where it is a folder, a pipe or a device (which may have no end), and where there is no right to read it.
 void require_input_file(const std::filesystem::path& path, const char* remedy = "check the path");
 
-}  // namespace heart
+}  // namespace heartgen

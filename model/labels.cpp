@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 // Surface tags: 101-199 fixed surfaces, 201.. trachea ends, 301.. carotid ends; regions have 1-99.
@@ -189,4 +189,4 @@ std::int32_t surface_between(Region a, Region b) {
   return skin;
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace heart {
+namespace heartgen {
 
 enum class Region : std::uint8_t {
   none = 0,
@@ -59,4 +59,4 @@ std::int32_t surface_between(Region a, Region b);
 bool is_myocardium(Region region);  ///< ventricles, papillary muscles, atrial walls
 bool is_blood(Region region);       ///< chambers, aorta, pulmonary artery
 
-}  // namespace heart
+}  // namespace heartgen

@@ -13,7 +13,7 @@
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -101,4 +101,4 @@ std::string write_landmarks(const Landmarks& landmarks) {
   return json.dump(1) + "\n";
 }
 
-}  // namespace heart
+}  // namespace heartgen

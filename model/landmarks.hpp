@@ -6,7 +6,7 @@
 
 #include "model/vec.hpp"
 
-namespace heart {
+namespace heartgen {
 
 /// A valve orifice: a disc. The normal points out of the ventricle (to the atrium or into the artery).
 struct ValvePlane {
@@ -23,4 +23,4 @@ struct Landmarks {
   std::optional<Vec3> lv_apex_mm;  ///< epicardial apex of the left ventricle
 };
 
-}  // namespace heart
+}  // namespace heartgen

@@ -2,7 +2,7 @@
 
 #include <sleef.h>
 
-namespace heart::math {
+namespace heartgen::math {
 
 double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
 double exp2(double x) { return Sleef_cinz_exp2d1_u10purec(x); }
@@ -24,11 +24,11 @@ double tanh(double x) { return Sleef_cinz_tanhd1_u10purec(x); }
 double erfc(double x) { return Sleef_cinz_erfcd1_u15purec(x); }
 double hypot(double x, double y) { return Sleef_cinz_hypotd1_u05purec(x, y); }
 
-}  // namespace heart::math
+}  // namespace heartgen::math
 
 // The same under the C library's names: a definition in the program comes before a shared library's, for the headers
 // that the program is compiled with and for the libraries that it loads.
-namespace math = heart::math;
+namespace math = heartgen::math;
 extern "C" {
 double exp(double x) noexcept { return math::exp(x); }
 double exp2(double x) noexcept { return math::exp2(x); }

@@ -10,7 +10,7 @@
 #pragma once
 #include <cmath>
 
-namespace heart::math {
+namespace heartgen::math {
 
 double exp(double x);
 double exp2(double x);
@@ -37,4 +37,4 @@ double hypot(double x, double y);
 /// sqrt(x * x + y * y + z * z) without overflow.
 inline double hypot(double x, double y, double z) { return std::hypot(x, y, z); }  // the library's header: square roots
 
-}  // namespace heart::math
+}  // namespace heartgen::math

@@ -16,7 +16,7 @@
 
 #include "model/error.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -112,4 +112,4 @@ std::string text_of_bytes(double bytes) {
   return fmt::format("{:.3g} {}", bytes, units[unit]);
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace heart {
+namespace heartgen {
 
 /// What this process may take, in bytes: the least of the machine's memory, the limits of its cgroups (version 1 and 2,
 /// its own and all above it), `ulimit -v` and `ulimit -d`, and set_memory_limit; 0: unknown. Of all processes of a
@@ -24,4 +24,4 @@ std::string text_of_bytes(double bytes);
 /// `mounts` the folder where cgroups are mounted.
 double cgroup_bytes(const std::filesystem::path& membership, const std::filesystem::path& mounts);
 
-}  // namespace heart
+}  // namespace heartgen

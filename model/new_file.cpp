@@ -11,7 +11,7 @@
 #include "model/text.hpp"
 #include "model/unfinished.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -103,4 +103,4 @@ void NewFile::finish() {
   partial = place;
 }
 
-}  // namespace heart
+}  // namespace heartgen

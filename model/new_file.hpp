@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-namespace heart {
+namespace heartgen {
 
 /// Written as `partial`, hidden beside `path`, and put in its place by `finish`: neither a full disk nor a kill leaves
 /// half a file, or takes away the one that was there. One program at a time writes a file: the others are refused. What
@@ -23,4 +23,4 @@ struct NewFile {
   void finish();
 };
 
-}  // namespace heart
+}  // namespace heartgen

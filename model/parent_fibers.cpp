@@ -2,7 +2,7 @@
 
 #include "model/error.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 template <class T>
@@ -35,4 +35,4 @@ void carry_fibers_to_parent(const TetMesh& part, TetMesh& whole) {
   whole.fiber_source = scattered(part.fiber_source, part.parent_node, whole.nodes_mm.size());
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace heart {
+namespace heartgen {
 
 struct PartTime {
   std::string name;
@@ -23,4 +23,4 @@ struct PartClock {
   }
 };
 
-}  // namespace heart
+}  // namespace heartgen

@@ -1,6 +1,6 @@
 #include "model/printable.hpp"
 
-namespace heart {
+namespace heartgen {
 
 std::string printable(std::string_view text) {
   constexpr unsigned char space = 0x20, del = 0x7f, c1_lead = 0xc2, c1_end = 0xa0;
@@ -19,4 +19,4 @@ std::string printable(std::string_view text) {
 
 bool is_printable(std::string_view text) { return printable(text) == text; }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace heart {
+namespace heartgen {
 
 /// The element `rank`, from 0, of the sorted values.
 template <class T>
@@ -33,4 +33,4 @@ T quantile(std::vector<T>& values, double share) {
   return ranked(values, static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
-}  // namespace heart
+}  // namespace heartgen

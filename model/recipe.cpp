@@ -14,7 +14,7 @@
 #include "model/text.hpp"
 #include "model/toml_text.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -405,4 +405,4 @@ std::string recipe_section(const Recipe& recipe, std::string_view section) {
   return text;
 }
 
-}  // namespace heart
+}  // namespace heartgen

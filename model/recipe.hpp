@@ -10,7 +10,7 @@
 
 #include "model/landmarks.hpp"
 
-namespace heart {
+namespace heartgen {
 
 struct InputSettings {
   std::string ct;           // CT volume: .nii[.gz], .nrrd, .mhd, .mha, or a folder with one DICOM series
@@ -392,4 +392,4 @@ std::string write_landmarks(const Landmarks& landmarks);
 /// Throws UserError for seeds and valves of unknown name, and for planes without normal or radius.
 void check_landmarks(const Landmarks& landmarks, const std::string& where);
 
-}  // namespace heart
+}  // namespace heartgen

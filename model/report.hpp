@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace heart {
+namespace heartgen {
 
 /// Where a value lies against its bounds. `told`: the row has none, it informs.
 enum class Verdict : std::uint8_t { told, passed, warned, failed };
@@ -42,4 +42,4 @@ inline std::int64_t count_of(const Report& report, Verdict verdict) {
 
 inline bool all_passed(const Report& report) { return count_of(report, Verdict::failed) == 0; }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace heart {
+namespace heartgen {
 
 /// Sorts the values and keeps one of each.
 template <class T>
@@ -12,4 +12,4 @@ void sort_unique(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-}  // namespace heart
+}  // namespace heartgen

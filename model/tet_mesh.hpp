@@ -9,7 +9,7 @@
 
 #include "model/vec.hpp"
 
-namespace heart {
+namespace heartgen {
 
 using Cell = std::array<std::int32_t, 4>;  ///< node ids; det(n1-n0, n2-n0, n3-n0) > 0
 using Face = std::array<std::int32_t, 3>;  ///< node ids
@@ -65,4 +65,4 @@ inline double cell_volume_mm3(const TetMesh& mesh, const Cell& c) {
          6;
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -13,7 +13,7 @@
 #include "model/error.hpp"
 #include "model/new_file.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -112,4 +112,4 @@ void write_text(const std::filesystem::path& path, std::string_view text) {
   whole.finish();
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace heart {
+namespace heartgen {
 
 /// The candidate with the smallest edit distance to `word`, for "did you mean ...?"; empty without candidates.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
@@ -29,4 +29,4 @@ void make_folder_of(const std::filesystem::path& path);
 /// Writes a text file, byte for byte; makes the folder. Throws UserError when it cannot (also when the disk is full).
 void write_text(const std::filesystem::path& path, std::string_view text);
 
-}  // namespace heart
+}  // namespace heartgen

@@ -10,7 +10,7 @@
 
 #include "model/error.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 constexpr std::size_t most_bytes = 4U << 20, most_parts = 16, deepest = 64;
@@ -72,4 +72,4 @@ std::string checked_toml(const std::string& path) {
   return text;
 }
 
-}  // namespace heart
+}  // namespace heartgen

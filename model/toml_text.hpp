@@ -2,10 +2,10 @@
 #pragma once
 #include <string>
 
-namespace heart {
+namespace heartgen {
 
 /// Throws UserError for a file that cannot be read, is larger than 4 MiB, or has keys of more than 16 parts (a.b.c has
 /// three) or values nested more than 64 deep.
 std::string checked_toml(const std::string& path);
 
-}  // namespace heart
+}  // namespace heartgen

@@ -8,7 +8,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart {
+namespace heartgen {
 
 struct TriMesh {
   std::vector<Vec3> nodes_mm;
@@ -21,4 +21,4 @@ struct TriMesh {
   std::map<std::int32_t, std::string> region_names, curve_names;
 };
 
-}  // namespace heart
+}  // namespace heartgen

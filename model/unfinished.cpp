@@ -3,7 +3,7 @@
 #include <mutex>
 #include <set>
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -43,4 +43,4 @@ void remove_unfinished() {
 
 void wait_where_stopped() { const std::lock_guard lock(unfinished().mutex); }
 
-}  // namespace heart
+}  // namespace heartgen

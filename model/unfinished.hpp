@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-namespace heart {
+namespace heartgen {
 
 /// Called before the file or folder is made.
 void note_unfinished(const std::filesystem::path& path);
@@ -17,4 +17,4 @@ void remove_unfinished();
 /// Returns at once, but after remove_unfinished has begun: then never.
 void wait_where_stopped();
 
-}  // namespace heart
+}  // namespace heartgen

@@ -2,7 +2,7 @@
 
 #include "model/error.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 /// "1 line", "2 lines", "1 hexahedron".
@@ -34,4 +34,4 @@ void settle_other_cells(UnstructuredData& data, const OtherCells& other, const s
   if (!other.lower.empty()) data.remarks.push_back("left out: " + counted(other.lower));
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -9,7 +9,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart {
+namespace heartgen {
 
 /// Arrays have one value per point, per tetrahedron or per triangle. In most files the array that says the region of a
 /// tetrahedron says the surface of a triangle: both have it under the same name.
@@ -39,4 +39,4 @@ struct OtherCells {
 /// tetrahedra, and without any tetrahedron.
 void settle_other_cells(UnstructuredData& data, const OtherCells& other, const std::filesystem::path& path);
 
-}  // namespace heart
+}  // namespace heartgen

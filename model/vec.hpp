@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace heart {
+namespace heartgen {
 
 struct Vec3 {
   double x = 0, y = 0, z = 0;
@@ -54,4 +54,4 @@ constexpr Mat3 operator*(const Mat3& a, const Mat3& b) {
 }
 constexpr double determinant(const Mat3& m) { return dot(m[0], cross(m[1], m[2])); }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -6,7 +6,7 @@
 
 #include "model/grid.hpp"
 
-namespace heart {
+namespace heartgen {
 
 template <class T>
 struct Volume {
@@ -55,4 +55,4 @@ double sample_linear(const Volume<T>& volume, const Vec3& index) {
   return result;
 }
 
-}  // namespace heart
+}  // namespace heartgen

@@ -5,7 +5,7 @@
 
 #include "model/labels.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 struct Orifice {
@@ -53,4 +53,4 @@ Report check_orifices(const std::map<std::string, TetMesh>& meshes, const LabelV
   return report;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

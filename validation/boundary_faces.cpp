@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 // The face opposite to each node of a positive cell, outward by the right hand.
@@ -38,4 +38,4 @@ BoundaryFaces boundary_faces(const TetMesh& mesh, const std::vector<MeshFace>& f
   return result;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

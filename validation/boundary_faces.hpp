@@ -6,7 +6,7 @@
 #include "model/tet_mesh.hpp"
 #include "validation/mesh_topology.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 struct BoundaryFaces {
   std::vector<Face> faces;          ///< node ids, normal (right hand) pointing out of the chosen cells
@@ -20,4 +20,4 @@ struct BoundaryFaces {
 BoundaryFaces boundary_faces(const TetMesh& mesh, const std::vector<MeshFace>& faces,
                              const std::vector<std::uint8_t>& chosen, bool per_region = false);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

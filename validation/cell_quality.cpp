@@ -7,7 +7,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
@@ -103,4 +103,4 @@ double boundary_skewness(const std::array<Vec3, 3>& face, const Vec3& center) {
   return norm(line) > 0 ? skewness_of(face, to_face, line, normal, 0.4) : 0;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

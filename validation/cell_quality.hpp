@@ -5,7 +5,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 struct CellQuality {
   double volume_mm3 = 0;                 ///< signed
@@ -34,4 +34,4 @@ FaceQuality face_quality(const std::array<Vec3, 3>& face_mm, const Vec3& center_
 /// The same of a face without a second cell: the line runs along the normal.
 double boundary_skewness(const std::array<Vec3, 3>& face_mm, const Vec3& center_mm);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

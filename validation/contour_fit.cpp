@@ -6,13 +6,13 @@
 #include <map>
 #include <optional>
 
-#include "model/face_tree.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
+#include "model/mesh_queries/face_tree.hpp"
 #include "validation/criteria.hpp"
 #include "validation/quantiles.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 struct OrientedFace {
@@ -74,11 +74,12 @@ struct Reach {
   double inwards_mm, outwards_mm;
 };
 
-Reach reach_of(const OrientedFace& face, const FaceTree& tree, const TetMesh& mesh, std::int32_t surface,
+Reach reach_of(const OrientedFace& face, const mesh_queries::FaceTree& tree, const TetMesh& mesh, std::int32_t surface,
                double reach_mm) {
   Reach reach{reach_mm, reach_mm};
-  const auto other = nearest_face(tree, face.center_mm, 2 * reach_mm,
-                                  [&](std::int32_t f) { return mesh.surface[static_cast<std::size_t>(f)] != surface; });
+  const auto other = mesh_queries::nearest_face(tree, face.center_mm, 2 * reach_mm, [&](std::int32_t f) {
+    return mesh.surface[static_cast<std::size_t>(f)] != surface;
+  });
   if (other.face < 0) return reach;
   auto& side_mm = dot(other.point_mm - face.center_mm, face.outward) > 0 ? reach.outwards_mm : reach.inwards_mm;
   side_mm = std::min(side_mm, other.distance_mm / 2);
@@ -144,7 +145,7 @@ Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourF
   std::map<std::int32_t, std::vector<std::size_t>> faces_of;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) faces_of[mesh.surface[f]].push_back(f);
   const auto halves = labelled_halves(mesh);
-  const auto tree = make_face_tree(mesh.nodes_mm, mesh.faces);
+  const auto tree = mesh_queries::make_face_tree(mesh.nodes_mm, mesh.faces);
   const double voxel_mm = math::cbrt(ct.grid.voxel_volume_mm3());
   Report report;
   for (const auto& [surface, faces] : faces_of) {
@@ -164,4 +165,4 @@ Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourF
   return judged(std::move(report), {});
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

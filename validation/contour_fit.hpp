@@ -5,7 +5,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 struct ContourFitSettings {
   double reach_mm = 5;                      ///< the edge is looked for this far, or halfway to the next surface
@@ -27,4 +27,4 @@ Report check_contour_fit(const TetMesh& mesh, const CtVolume& ct, const ContourF
 /// missing where one side is empty.
 Report compare_labels(const LabelVolume& ours, const LabelVolume& reference);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -7,7 +7,7 @@
 #include "model/labels.hpp"
 #include "validation/criteria_tables.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 /// `pattern` with '*' for any text.
@@ -90,4 +90,4 @@ Report judged(Report rows, const ValidationSettings& settings) {
   return rows;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

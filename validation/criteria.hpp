@@ -7,7 +7,7 @@
 #include "model/recipe.hpp"
 #include "model/report.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Which parts of a model a criterion speaks of.
 enum class Where : std::uint8_t { anywhere, whole_mesh, heart, wall, blood, outside_heart };
@@ -33,4 +33,4 @@ std::vector<Criterion> criteria(const ValidationSettings& settings);
 /// The rows with the bounds and the reason of their criterion; rows that fit none stay as they are.
 Report judged(Report rows, const ValidationSettings& settings);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -1,6 +1,6 @@
 #include "validation/criteria_tables.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 // Published adults, any phase of the beat. Beyond `warn_*` a heart is unusual; beyond `fail_*` none of that size lives.
@@ -55,4 +55,4 @@ std::vector<Criterion> anatomy_criteria() {
   return rows;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -2,7 +2,7 @@
 
 #include "validation/criteria_tables.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 std::vector<Criterion> fiber_criteria(const ValidationSettings& settings) {
   std::vector<Criterion> rows;
@@ -62,4 +62,4 @@ std::vector<Criterion> fit_criteria() {
   return rows;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

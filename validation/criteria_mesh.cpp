@@ -2,7 +2,7 @@
 
 #include "validation/criteria_tables.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr const char* broken = "Every solver needs a mesh without this defect.";
@@ -122,4 +122,4 @@ std::vector<Criterion> label_criteria(const ValidationSettings& settings) {
   return rows;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -4,7 +4,7 @@
 
 #include "validation/criteria.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 std::vector<Criterion> mesh_criteria(const ValidationSettings& settings);   ///< geometry, topology, labelled faces
 std::vector<Criterion> label_criteria(const ValidationSettings& settings);  ///< a mesh against its label map
@@ -23,4 +23,4 @@ inline Bounds between(double fail_below, double warn_below, double warn_above, d
   return {fail_below, warn_below, warn_above, fail_above};
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

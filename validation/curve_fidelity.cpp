@@ -12,13 +12,13 @@
 
 #include "generator/parallel/threads.hpp"
 #include "model/crop.hpp"
-#include "model/face_tree.hpp"
-#include "model/feature_curves.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
+#include "model/mesh_queries/face_tree.hpp"
+#include "model/mesh_queries/feature_curves.hpp"
 #include "validation/quantiles.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 using Regions = std::uint32_t;  // bit R: region R, 0 the outside
@@ -37,7 +37,7 @@ bool has_heart(Regions regions) {
 
 /// An edge of a curve, and the regions around it.
 struct CurveEdge {
-  NodePair nodes;
+  mesh_queries::NodePair nodes;
   std::size_t curve = 0;
   Regions regions = 0;
 };
@@ -45,14 +45,14 @@ struct CurveEdge {
 void add_regions(std::vector<CurveEdge>& edges, const std::vector<std::uint8_t>& on_curve, std::int32_t a,
                  std::int32_t b, int region) {
   if (on_curve[static_cast<std::size_t>(a)] == 0 || on_curve[static_cast<std::size_t>(b)] == 0) return;
-  const NodePair key{std::min(a, b), std::max(a, b)};
+  const mesh_queries::NodePair key{std::min(a, b), std::max(a, b)};
   const auto found = std::ranges::lower_bound(edges, key, {}, &CurveEdge::nodes);
   if (found != edges.end() && found->nodes == key) found->regions |= bit_of(region);
 }
 
 /// Edges around which three regions or more meet, one of the heart among them.
 std::vector<CurveEdge> edges_of_heart(const TetMesh& mesh, const std::vector<MeshFace>& faces,
-                                      const std::vector<FeatureCurve>& curves) {
+                                      const std::vector<mesh_queries::FeatureCurve>& curves) {
   std::vector<CurveEdge> edges;
   std::vector<std::uint8_t> on_curve(mesh.nodes_mm.size(), 0);
   for (std::size_t c = 0; c < curves.size(); ++c)
@@ -193,14 +193,14 @@ std::vector<Sample> samples_from_labels(const TetMesh& mesh, const std::vector<C
                     mesh.nodes_mm[static_cast<std::size_t>(edge.nodes[0])]) /
                static_cast<double>(edges.size());
   }
-  const auto tree = make_face_tree(mesh.nodes_mm, lines);
+  const auto tree = mesh_queries::make_face_tree(mesh.nodes_mm, lines);
   std::vector<Sample> samples(meetings.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(samples.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto s = static_cast<std::size_t>(begin); s < static_cast<std::size_t>(end); ++s) {
       const Regions regions = meetings[s].regions;
-      const auto nearest = nearest_face(tree, meetings[s].place_mm, reach_edges * mean_mm, [&](std::int32_t e) {
-        return (regions & ~edges[static_cast<std::size_t>(e)].regions) == 0;
-      });
+      const auto nearest = mesh_queries::nearest_face(
+          tree, meetings[s].place_mm, reach_edges * mean_mm,
+          [&](std::int32_t e) { return (regions & ~edges[static_cast<std::size_t>(e)].regions) == 0; });
       samples[s] = {SIZE_MAX, reach_edges};
       if (nearest.face < 0) continue;
       samples[s] = {edges[static_cast<std::size_t>(nearest.face)].curve,
@@ -220,7 +220,7 @@ void add_distances(Report& rows, const std::string& scope, const std::string& me
   rows.push_back({"mesh", scope, metric + "_p99_in_edges", quantile(edges, 0.99), "edges", {}, {}});
 }
 
-double length_of(const TetMesh& mesh, const FeatureCurve& curve) {
+double length_of(const TetMesh& mesh, const mesh_queries::FeatureCurve& curve) {
   double sum = 0;
   for (const auto& [a, b] : curve.edges)
     sum += norm(mesh.nodes_mm[static_cast<std::size_t>(b)] - mesh.nodes_mm[static_cast<std::size_t>(a)]);
@@ -231,7 +231,7 @@ double length_of(const TetMesh& mesh, const FeatureCurve& curve) {
 
 Report check_curves(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,
                     const LabelVolume& labels, const LabelAt& label_at) {
-  const auto curves = feature_curves(mesh);
+  const auto curves = mesh_queries::feature_curves(mesh);
   const auto edges = edges_of_heart(mesh, faces, curves);
   if (edges.empty()) return {};
   const auto to_labels = samples_to_labels(mesh, edges, label_at);
@@ -242,7 +242,7 @@ Report check_curves(const std::string& mesh_name, const TetMesh& mesh, const std
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const auto count = std::ranges::count(edges, c, &CurveEdge::curve);
     if (static_cast<std::size_t>(count) < fewest_edges) continue;
-    const std::string scope = mesh_name + "/" + curve_name(curves[c]);
+    const std::string scope = mesh_name + "/" + mesh_queries::curve_name(curves[c]);
     rows.push_back({"mesh", scope, "curve_length", length_of(mesh, curves[c]), "mm", {}, {}});
     add_distances(rows, scope, "curve_to_level_set", to_labels, &c);
     add_distances(rows, scope, "curve_from_level_set", from_labels, &c);
@@ -250,4 +250,4 @@ Report check_curves(const std::string& mesh_name, const TetMesh& mesh, const std
   return rows;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -10,7 +10,7 @@
 #include "validation/label_fidelity.hpp"
 #include "validation/mesh_topology.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Rows of group "mesh" for the curves at which a region of the heart takes part, scope `mesh_name/curve` (see
 /// curve_name) for those of at least ten edges, `mesh_name` alone for all of them together. `curve_length` in mm;
@@ -22,4 +22,4 @@ namespace heart::validation {
 Report check_curves(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,
                     const LabelVolume& labels, const LabelAt& label_at);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

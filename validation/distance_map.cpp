@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double unreached = 1e36;  // squared mm
@@ -62,4 +62,4 @@ std::vector<double> distance_to(const Grid& grid, const std::vector<std::uint8_t
   return squared;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

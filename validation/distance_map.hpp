@@ -5,10 +5,10 @@
 
 #include "model/grid.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Per voxel, the distance (mm) between its centre and the nearest voxel centre with feature != 0; 1e18 without any.
 /// Separable lower envelopes of parabolas (Felzenszwalb and Huttenlocher 2012).
 std::vector<double> distance_to(const Grid& grid, const std::vector<std::uint8_t>& feature);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

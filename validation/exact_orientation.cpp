@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;
@@ -91,4 +91,4 @@ int orientation_along(int axis, const Vec3& a, const Vec3& b, const Vec3& c) {
   return sum.sign();
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

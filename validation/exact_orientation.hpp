@@ -4,7 +4,7 @@
 #pragma once
 #include "model/vec.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Sign of the volume of the cell (a, b, c, d): 1, 0 (exactly coplanar) or -1.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
@@ -12,4 +12,4 @@ int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Sign of the area of (a, b, c) seen along `axis` (0, 1, 2): 1 counter-clockwise, 0 collinear, -1.
 int orientation_along(int axis, const Vec3& a, const Vec3& b, const Vec3& c);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

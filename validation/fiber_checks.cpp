@@ -9,13 +9,13 @@
 #include <string_view>
 
 #include "model/mathematics.hpp"
-#include "model/mesh_edges.hpp"
+#include "model/mesh_queries/mesh_edges.hpp"
 #include "validation/criteria.hpp"
 #include "validation/heart_frame.hpp"
 #include "validation/quantiles.hpp"
 #include "validation/wall_depth.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double degrees = 57.29577951308232;
@@ -83,7 +83,7 @@ VentricleTurns edge_turns(const TetMesh& mesh) {
       sides[static_cast<std::size_t>(n)] |= mesh.region[c] == tag(Region::lv_myocardium) ? 1 : 2;
   }
   VentricleTurns turns;
-  for (const auto& [a, b] : edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use)) {
+  for (const auto& [a, b] : mesh_queries::edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use)) {
     turns.all.add(mesh, a, b);
     if (sides[static_cast<std::size_t>(a)] == 3 || sides[static_cast<std::size_t>(b)] == 3)
       turns.junction.add(mesh, a, b);
@@ -277,7 +277,7 @@ void add_wall_jump_rows(const TetMesh& mesh, Report& report) {
     std::vector<std::uint8_t> use(mesh.cells.size());
     for (std::size_t c = 0; c < mesh.cells.size(); ++c) use[c] = mesh.region[c] == tag(wall);
     std::vector<double> jump_deg;
-    for (const auto& [a, b] : edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use))
+    for (const auto& [a, b] : mesh_queries::edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use))
       jump_deg.push_back(axis_angle_deg(mesh.node_fibers.fiber[static_cast<std::size_t>(a)],
                                         mesh.node_fibers.fiber[static_cast<std::size_t>(b)]));
     if (jump_deg.empty()) continue;
@@ -346,4 +346,4 @@ std::string remark_on_jumps(const Report& rows) {
       jump_deg, atlas_deg, value_of("ventricles", "edge_p50"));
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

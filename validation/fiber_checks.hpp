@@ -11,7 +11,7 @@
 #include "model/report.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Figures that only the build knows; a re-validation takes them from the bundle's metrics, or leaves them out.
 struct RegistrationFigures {
@@ -55,4 +55,4 @@ Report check_fibers(const TetMesh& myocardium, const RegistrationFigures& figure
 /// how fibres turn through its walls. Empty otherwise, and where nothing of the atlas is known.
 std::string remark_on_jumps(const Report& rows);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

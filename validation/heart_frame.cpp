@@ -2,7 +2,7 @@
 
 #include "model/labels.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 Vec3 cell_center(const TetMesh& mesh, std::size_t c) {
@@ -62,4 +62,4 @@ HeartFrame heart_frame(const TetMesh& mesh) {
   return frame;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -2,7 +2,7 @@
 #pragma once
 #include "model/tet_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 struct HeartFrame {
   Vec3 center_mm;           ///< centroid of the left ventricle's wall
@@ -14,4 +14,4 @@ struct HeartFrame {
 /// lies to the right, behind and above the apex. Without a left ventricle: the centre of all cells, axes of the body.
 HeartFrame heart_frame(const TetMesh& mesh);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

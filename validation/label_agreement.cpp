@@ -9,7 +9,7 @@
 #include "validation/distance_map.hpp"
 #include "validation/quantiles.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 LabelVolume resampled_nearest(const LabelVolume& labels, const Grid& grid) {
@@ -187,4 +187,4 @@ Report compare_labels(const LabelVolume& ours, const LabelVolume& reference) {
   return report;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -10,7 +10,7 @@
 #include "validation/distance_map.hpp"
 #include "validation/quantiles.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double mm3_per_ml = 1000;
@@ -163,4 +163,4 @@ Report check_labels(const LabelVolume& labels, const std::vector<Region>& needed
   return judged(std::move(report), {});
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

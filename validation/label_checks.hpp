@@ -6,7 +6,7 @@
 #include "model/report.hpp"
 #include "model/volume.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Rows of group "labels". Per region present: volume (ml), components (26-neighbours), largest_component (share).
 /// For lv_myocardium and rv_myocardium: wall_thickness_median, _p05, _p95 (mm), over the voxels midway between the
@@ -14,4 +14,4 @@ namespace heart::validation {
 /// get a row `volume` that judges (more than 0 ml), present or not.
 Report check_labels(const LabelVolume& labels, const std::vector<Region>& needed);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -10,12 +10,12 @@
 #include "generator/parallel/tasks.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
-#include "model/voxels_in_cell.hpp"
+#include "model/mesh_queries/voxels_in_cell.hpp"
 #include "validation/criteria.hpp"
 #include "validation/label_map.hpp"
 #include "validation/region_topology.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double mm3_per_ml = 1000;
@@ -107,7 +107,7 @@ Overlap overlap_of(const TetMesh& mesh, const LabelVolume& labels) {
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     std::array<Vec3, 4> corners;
     for (std::size_t n = 0; n < 4; ++n) corners[n] = mesh.nodes_mm[static_cast<std::size_t>(mesh.cells[c][n])];
-    for_voxels_in_cell(labels.grid, corners, [&](std::int64_t v, const auto&) {
+    mesh_queries::for_voxels_in_cell(labels.grid, corners, [&](std::int64_t v, const auto&) {
       of_mesh.voxels[static_cast<std::size_t>(v)] = static_cast<std::uint8_t>(mesh.region[c]);
     });
   }
@@ -217,4 +217,4 @@ Report check_against_level_sets(const std::string& mesh_name, const TetMesh& mes
   return judged(std::move(report), settings);
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -11,7 +11,7 @@
 #include "validation/mesh_topology.hpp"
 #include "validation/surface_distances.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Rows of group "mesh" for a mesh that fills all of `labels` but 0, scope `mesh_name/region`; `mesh_name` alone for
 /// all regions together: volumes, Dice at the voxels' centres, pieces, handles, cavities, and distances (mm, and local
@@ -27,4 +27,4 @@ Report check_against_labels(const std::string& mesh_name, const TetMesh& mesh, c
 Report check_against_level_sets(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,
                                 const Grid& grid, const LabelAt& label_at, const ValidationSettings& settings);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

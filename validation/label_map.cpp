@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 /// Shares of the labels at the corners of a cell of voxels; equal labels are added up.
@@ -54,4 +54,4 @@ int label_between_voxels(const LabelVolume& labels, const Vec3& lps_mm) {
   return shares.largest();
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

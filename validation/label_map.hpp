@@ -2,10 +2,10 @@
 #pragma once
 #include "model/volume.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// The label with the largest share at a place: linear interpolation of each label's indicator between the eight voxels
 /// around it, the smaller label where two are equal. 0 beyond half a voxel from the outermost voxels.
 int label_between_voxels(const LabelVolume& labels, const Vec3& lps_mm);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -16,7 +16,7 @@
 #include "validation/self_intersection.hpp"
 #include "validation/wall_layers.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double degrees = 57.29577951308232;
@@ -374,4 +374,4 @@ Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const std::
   return judged(std::move(report), settings);
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -11,7 +11,7 @@
 #include "model/tet_mesh.hpp"
 #include "validation/mesh_topology.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Rows of group "mesh"; scope is `mesh_name`, `mesh_name/region` or `mesh_name/surface`. Only rows with a bound in
 /// `settings`, and those that must be zero, judge. Node ids out of range are counted first, and then nothing else is.
@@ -21,4 +21,4 @@ Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const Valid
 Report check_mesh(const std::string& mesh_name, const TetMesh& mesh, const std::vector<MeshFace>& faces,
                   const ValidationSettings& settings);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

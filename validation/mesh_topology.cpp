@@ -8,7 +8,7 @@
 
 #include "generator/parallel/threads.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
@@ -270,4 +270,4 @@ FaceLabels check_face_labels(const TetMesh& mesh, const std::vector<MeshFace>& f
   return result;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

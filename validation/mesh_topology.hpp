@@ -7,7 +7,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// A face with the cells that have it: `other` is -1 on the boundary. More than two cells is a defect (`cells` > 2).
 struct MeshFace {
@@ -60,4 +60,4 @@ struct FaceLabels {
 
 FaceLabels check_face_labels(const TetMesh& mesh, const std::vector<MeshFace>& faces);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// The q-quantile (0 .. 1), linear between order statistics; 0 for an empty sample. Sorts its copy.
 inline double quantile(std::vector<double> sample, double q) {
@@ -16,4 +16,4 @@ inline double quantile(std::vector<double> sample, double q) {
   return sample[low] + (at - static_cast<double>(low)) * (sample[high] - sample[low]);
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

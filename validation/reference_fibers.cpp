@@ -7,9 +7,9 @@
 
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
-#include "model/voxels_in_cell.hpp"
+#include "model/mesh_queries/voxels_in_cell.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 /// Axis of the mesh in one of its cells: its nodes' axes weighted, their signs turned to that of the greatest weight's.
@@ -61,7 +61,7 @@ Report compare_fibers(const TetMesh& mesh, const ReferenceFibers& reference) {
     const Cell& cell = mesh.cells[c];
     std::array<Vec3, 4> corners_mm;
     for (std::size_t n = 0; n < 4; ++n) corners_mm[n] = mesh.nodes_mm[static_cast<std::size_t>(cell[n])];
-    for_voxels_in_cell(grid, corners_mm, [&](std::int64_t voxel, const std::array<double, 4>& weights) {
+    mesh_queries::for_voxels_in_cell(grid, corners_mm, [&](std::int64_t voxel, const std::array<double, 4>& weights) {
       const auto v = static_cast<std::size_t>(voxel);
       if (seen[v]) return;
       seen[v] = 1;
@@ -79,4 +79,4 @@ Report compare_fibers(const TetMesh& mesh, const ReferenceFibers& reference) {
   return report;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

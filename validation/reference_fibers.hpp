@@ -4,7 +4,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// A known axis field: three components on one grid, zero where nothing is known. Signs and lengths do not matter.
 struct ReferenceFibers {
@@ -17,4 +17,4 @@ struct ReferenceFibers {
 /// taken only where it is known, for in a wall of two or three voxels half of one is worth 20 degrees.
 Report compare_fibers(const TetMesh& myocardium, const ReferenceFibers& reference);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

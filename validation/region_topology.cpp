@@ -9,7 +9,7 @@
 
 #include "model/sort_unique.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double mm3_per_ml = 1000;
@@ -378,4 +378,4 @@ std::vector<double> separate_pieces_ml(const LabelVolume& labels, std::uint8_t l
   return box.inside.empty() ? std::vector<double>{} : volumes_ml(piece_sizes(box, 1, 1), labels.grid);
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -10,7 +10,7 @@
 #include "model/volume.hpp"
 #include "validation/mesh_topology.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 struct RegionTopology {
   std::vector<double> components_ml;  ///< volumes of the connected pieces, largest first
@@ -29,4 +29,4 @@ RegionTopology region_topology(const LabelVolume& labels, std::uint8_t label);
 /// first: smooth surfaces may join what touches.
 std::vector<double> separate_pieces_ml(const LabelVolume& labels, std::uint8_t label);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -4,14 +4,14 @@
 #include <array>
 
 #include "generator/parallel/threads.hpp"
-#include "model/face_tree.hpp"
+#include "model/mesh_queries/face_tree.hpp"
 #include "validation/exact_orientation.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 /// An axis along which the triangle has an area; -1 where it has none at all.
-int open_axis(const Triangle& t) {
+int open_axis(const mesh_queries::Triangle& t) {
   for (int axis = 0; axis < 3; ++axis)
     if (orientation_along(axis, t[0], t[1], t[2]) != 0) return axis;
   return -1;
@@ -32,7 +32,7 @@ bool segments_meet(int axis, const Vec3& p, const Vec3& q, const Vec3& r, const 
   return a * b <= 0 && c * d <= 0;
 }
 
-bool is_inside(int axis, const Triangle& t, const Vec3& p) {
+bool is_inside(int axis, const mesh_queries::Triangle& t, const Vec3& p) {
   bool left = false, right = false;
   for (std::size_t i = 0; i < 3; ++i) {
     const int side = orientation_along(axis, t[i], t[(i + 1) % 3], p);
@@ -42,7 +42,7 @@ bool is_inside(int axis, const Triangle& t, const Vec3& p) {
   return !(left && right);
 }
 
-bool meet_in_plane(const Vec3& p, const Vec3& q, const Triangle& t) {
+bool meet_in_plane(const Vec3& p, const Vec3& q, const mesh_queries::Triangle& t) {
   const int axis = open_axis(t);
   if (axis < 0) return false;
   if (is_inside(axis, t, p) || is_inside(axis, t, q)) return true;
@@ -51,7 +51,7 @@ bool meet_in_plane(const Vec3& p, const Vec3& q, const Triangle& t) {
   return false;
 }
 
-bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Triangle& t) {
+bool segment_meets_triangle(const Vec3& p, const Vec3& q, const mesh_queries::Triangle& t) {
   const int at_p = orientation(t[0], t[1], t[2], p), at_q = orientation(t[0], t[1], t[2], q);
   if (at_p * at_q > 0) return false;
   if (at_p == 0 && at_q == 0) return meet_in_plane(p, q, t);
@@ -64,13 +64,13 @@ bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Triangle& t) {
   return !(left && right);
 }
 
-bool all_on_one_side(const Triangle& of, const Triangle& t) {
+bool all_on_one_side(const mesh_queries::Triangle& of, const mesh_queries::Triangle& t) {
   const int first = orientation(of[0], of[1], of[2], t[0]);
   return first != 0 && orientation(of[0], of[1], of[2], t[1]) == first &&
          orientation(of[0], of[1], of[2], t[2]) == first;
 }
 
-bool meet_apart(const Triangle& a, const Triangle& b) {
+bool meet_apart(const mesh_queries::Triangle& a, const mesh_queries::Triangle& b) {
   if (all_on_one_side(a, b) || all_on_one_side(b, a)) return false;
   for (std::size_t i = 0; i < 3; ++i)
     if (segment_meets_triangle(a[i], a[(i + 1) % 3], b) || segment_meets_triangle(b[i], b[(i + 1) % 3], a)) return true;
@@ -78,14 +78,14 @@ bool meet_apart(const Triangle& a, const Triangle& b) {
 }
 
 /// The triangles share corner 0 of each: whatever else they share reaches the opposite edge of one of them.
-bool meet_at_corner(const Triangle& a, const Triangle& b) {
+bool meet_at_corner(const mesh_queries::Triangle& a, const mesh_queries::Triangle& b) {
   const int one = orientation(a[0], a[1], a[2], b[1]), two = orientation(a[0], a[1], a[2], b[2]);
   if (one * two > 0) return false;
   return segment_meets_triangle(a[1], a[2], b) || segment_meets_triangle(b[1], b[2], a);
 }
 
 /// The triangles share corners 0 and 1 of each: they overlap only if they are folded onto each other.
-bool folded(const Triangle& a, const Triangle& b) {
+bool folded(const mesh_queries::Triangle& a, const mesh_queries::Triangle& b) {
   const Vec3 edge = a[1] - a[0];
   const Vec3 u = cross(edge, a[2] - a[0]), v = cross(edge, b[2] - a[0]);
   if (dot(u, v) < 0) return false;  // more than a right angle apart
@@ -106,14 +106,14 @@ std::size_t align(Face& a, Face& b) {
   return shared;
 }
 
-Triangle corners(const std::vector<Vec3>& nodes, const Face& face) {
+mesh_queries::Triangle corners(const std::vector<Vec3>& nodes, const Face& face) {
   return {nodes[static_cast<std::size_t>(face[0])], nodes[static_cast<std::size_t>(face[1])],
           nodes[static_cast<std::size_t>(face[2])]};
 }
 
 bool intersect(const std::vector<Vec3>& nodes, Face a, Face b) {
   const auto shared = align(a, b);
-  const Triangle s = corners(nodes, a), t = corners(nodes, b);
+  const mesh_queries::Triangle s = corners(nodes, a), t = corners(nodes, b);
   if (shared == 0) return meet_apart(s, t);
   if (shared == 1) return meet_at_corner(s, t);
   return shared == 2 && folded(s, t);
@@ -123,7 +123,7 @@ bool intersect(const std::vector<Vec3>& nodes, Face a, Face b) {
 
 std::vector<std::pair<std::int32_t, std::int32_t>> intersecting_faces(const std::vector<Vec3>& nodes_mm,
                                                                       const std::vector<Face>& faces) {
-  const auto tree = make_face_tree(nodes_mm, faces);
+  const auto tree = mesh_queries::make_face_tree(nodes_mm, faces);
   std::vector<std::vector<std::int32_t>> partners(faces.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
     std::vector<std::int32_t> near;
@@ -137,7 +137,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> intersecting_faces(const std:
           high[axis] = std::max(high[axis], p[axis]);
         }
       near.clear();
-      faces_in_box(tree, low, high, near);
+      mesh_queries::faces_in_box(tree, low, high, near);
       for (const auto other : near)
         if (other > f && intersect(nodes_mm, faces[at], faces[static_cast<std::size_t>(other)]))
           partners[at].push_back(other);
@@ -150,4 +150,4 @@ std::vector<std::pair<std::int32_t, std::int32_t>> intersecting_faces(const std:
   return pairs;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

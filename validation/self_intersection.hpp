@@ -6,11 +6,11 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Pairs of faces, ascending, that have more in common than the nodes that they share. Faces without area count as
 /// their edges do; the same face listed twice is no pair. About 1 microsecond a face.
 std::vector<std::pair<std::int32_t, std::int32_t>> intersecting_faces(const std::vector<Vec3>& nodes_mm,
                                                                       const std::vector<Face>& faces);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

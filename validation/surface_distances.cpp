@@ -5,10 +5,10 @@
 #include <set>
 
 #include "generator/parallel/threads.hpp"
-#include "model/face_tree.hpp"
+#include "model/mesh_queries/face_tree.hpp"
 #include "validation/quantiles.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr std::size_t max_samples = 60'000;
@@ -200,9 +200,9 @@ bool is_thin(const LabelAt& label_at, const Vec3& place, double edge_mm) {
 /// Neither side of a sample is a crumb, nor, where the mesh is far from it, thinner than an edge: the mesher may drop
 /// these.
 std::vector<SurfaceSample> distances_from_labels(const Grid& grid, const std::vector<BoundaryFace>& faces,
-                                                 const FaceTree& tree, const std::set<std::int32_t>& regions,
-                                                 const LabelAt& label_at, const std::vector<std::uint8_t>& label,
-                                                 const Crumbs& crumbs) {
+                                                 const mesh_queries::FaceTree& tree,
+                                                 const std::set<std::int32_t>& regions, const LabelAt& label_at,
+                                                 const std::vector<std::uint8_t>& label, const Crumbs& crumbs) {
   auto pairs = changing_pairs(grid, label);
   std::erase_if(pairs, [&](const VoxelPair& pair) {
     Index3 beyond = pair.at;
@@ -225,7 +225,7 @@ std::vector<SurfaceSample> distances_from_labels(const Grid& grid, const std::ve
       const double t = distance_to_change(label_at, region, region == own, start, way / length, length, 2 * length);
       const Vec3 point = start + (t / length) * way;
       constexpr double anywhere_mm = 1e9;
-      const auto nearest = nearest_face(
+      const auto nearest = mesh_queries::nearest_face(
           tree, point, anywhere_mm, [&](std::int32_t f) { return faces[static_cast<std::size_t>(f)].bounds(region); });
       if (nearest.face < 0) continue;
       const double edge = faces[static_cast<std::size_t>(nearest.face)].edge_mm;
@@ -248,7 +248,7 @@ SurfaceDistances surface_distances(const TetMesh& mesh, const std::vector<MeshFa
   std::vector<Face> triangles;
   triangles.reserve(boundary.size());
   for (const auto& face : boundary) triangles.push_back(face.nodes);
-  const auto tree = make_face_tree(mesh.nodes_mm, triangles);
+  const auto tree = mesh_queries::make_face_tree(mesh.nodes_mm, triangles);
   const Crumbs crumbs{labels.grid, crumbs_of(labels.grid, labels.voxels, crumb_ml)};
   return {distances_to_labels(mesh, boundary, label_at, crumbs, search),
           distances_from_labels(labels.grid, boundary, tree, regions, label_at, labels.voxels, crumbs)};
@@ -274,4 +274,4 @@ void add_distance_rows(const std::string& scope, const std::string& name, const 
   add("_max_in_edges", edges, 1, "edges");
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

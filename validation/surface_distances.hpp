@@ -10,7 +10,7 @@
 #include "model/volume.hpp"
 #include "validation/mesh_topology.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Region tag at a place (LPS mm), 0 outside everything: a label map between its voxels. Called from several threads.
 using LabelAt = std::function<int(const Vec3& lps_mm)>;
@@ -44,4 +44,4 @@ SurfaceDistances surface_distances(const TetMesh& mesh, const std::vector<MeshFa
 void add_distance_rows(const std::string& scope, const std::string& name, const std::vector<SurfaceSample>& samples,
                        std::int32_t region, Report& report);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

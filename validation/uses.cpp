@@ -7,7 +7,7 @@
 
 #include "validation/criteria.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr std::string_view out_of_reach = "uses.";  // how the codes of its warnings begin
@@ -214,4 +214,4 @@ Certificate certified(Report rows, std::vector<Warning> warnings, const std::vec
   return certificate;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -6,7 +6,7 @@
 #include "model/certificate.hpp"
 #include "model/recipe.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Names of all uses, in the order of the table.
 std::vector<std::string> use_names();
@@ -22,4 +22,4 @@ std::vector<UseVerdict> judge_uses(const Report& rows, const std::vector<Warning
 Certificate certified(Report rows, std::vector<Warning> warnings, const std::vector<std::string>& mesh_names,
                       const ValidationSettings& settings);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

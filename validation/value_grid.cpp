@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr int margin = 2;
@@ -71,4 +71,4 @@ std::vector<double> grid_values(const ValueGrid& grid, const std::vector<double>
   return result;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

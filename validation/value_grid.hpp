@@ -6,7 +6,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 struct ValueGrid {
   Vec3 low_mm;  ///< corner of the first cube
@@ -24,4 +24,4 @@ enum class Join { mean, largest };
 /// unknown. `values` is per node.
 std::vector<double> grid_values(const ValueGrid& grid, const std::vector<double>& values, Join join);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "model/mesh_laplace.hpp"
+#include "model/mesh_queries/mesh_laplace.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -34,15 +34,15 @@ WallDepth wall_depth(const TetMesh& mesh, Region ventricle) {
   WallDepth wall;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     if (mesh.region[c] == tag(ventricle)) wall.cells.push_back(static_cast<std::int32_t>(c));
-  const Stiffness matrix = make_stiffness(mesh, wall.cells);
+  const mesh_queries::Stiffness matrix = mesh_queries::make_stiffness(mesh, wall.cells);
   const auto of_nodes = fixed_depths(mesh, ventricle);
-  FixedValues fixed;
+  mesh_queries::FixedValues fixed;
   for (const auto n : matrix.nodes) fixed.push_back(of_nodes[static_cast<std::size_t>(n)]);
   const auto holds = [&](double value) { return std::find(fixed.begin(), fixed.end(), value) != fixed.end(); };
   if (!holds(0) || !holds(1)) return {};
-  const auto depth = solve_laplace(matrix, fixed);
+  const auto depth = mesh_queries::solve_laplace(matrix, fixed);
   for (std::size_t c = 0; c < wall.cells.size(); ++c) {
-    const auto gradient = shape_gradients(mesh, mesh.cells[static_cast<std::size_t>(wall.cells[c])]);
+    const auto gradient = mesh_queries::shape_gradients(mesh, mesh.cells[static_cast<std::size_t>(wall.cells[c])]);
     double mean = 0;
     Vec3 slope;
     for (std::size_t n = 0; n < 4; ++n) {
@@ -56,4 +56,4 @@ WallDepth wall_depth(const TetMesh& mesh, Region ventricle) {
   return wall;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -5,7 +5,7 @@
 #include "model/labels.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 struct WallDepth {
   std::vector<std::int32_t> cells;  ///< cells of the ventricle, ascending
@@ -18,4 +18,4 @@ struct WallDepth {
 /// through the other faces. Empty where one of the two is missing.
 WallDepth wall_depth(const TetMesh& mesh, Region ventricle);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

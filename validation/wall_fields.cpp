@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "generator/parallel/threads.hpp"
-#include "model/face_tree.hpp"
 #include "model/labels.hpp"
+#include "model/mesh_queries/face_tree.hpp"
 #include "validation/cell_quality.hpp"
 #include "validation/quantiles.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -52,9 +52,10 @@ std::vector<Face> faces_with(const TetMesh& mesh, auto wanted) {
 
 void add_thickness(const TetMesh& mesh, const Sides& sides, std::vector<double>& thickness_mm) {
   constexpr double reach_mm = 30;
-  const FaceTree inside = make_face_tree(mesh.nodes_mm, faces_with(mesh, [&](auto s) { return s == sides.inside; }));
-  const FaceTree outside =
-      make_face_tree(mesh.nodes_mm, faces_with(mesh, [&](auto s) { return s != sides.inside && ends_walls(s); }));
+  const mesh_queries::FaceTree inside =
+      mesh_queries::make_face_tree(mesh.nodes_mm, faces_with(mesh, [&](auto s) { return s == sides.inside; }));
+  const mesh_queries::FaceTree outside = mesh_queries::make_face_tree(
+      mesh.nodes_mm, faces_with(mesh, [&](auto s) { return s != sides.inside && ends_walls(s); }));
   if (inside.nodes.empty() || outside.nodes.empty()) return;
   std::vector<std::size_t> nodes;
   std::vector<std::uint8_t> taken(mesh.nodes_mm.size(), 0);
@@ -65,8 +66,8 @@ void add_thickness(const TetMesh& mesh, const Sides& sides, std::vector<double>&
   parallel::parallel_for(0, static_cast<std::int64_t>(nodes.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto i = begin; i < end; ++i) {
       const std::size_t n = nodes[static_cast<std::size_t>(i)];
-      const auto in = nearest_face(inside, mesh.nodes_mm[n], reach_mm);
-      const auto out = nearest_face(outside, mesh.nodes_mm[n], reach_mm);
+      const auto in = mesh_queries::nearest_face(inside, mesh.nodes_mm[n], reach_mm);
+      const auto out = mesh_queries::nearest_face(outside, mesh.nodes_mm[n], reach_mm);
       if (in.face >= 0 && out.face >= 0) thickness_mm[n] = in.distance_mm + out.distance_mm;
     }
   });
@@ -145,4 +146,4 @@ double least_dihedral_deg(const TetMesh& mesh, std::size_t cell) {
   return cell_quality(corners).min_dihedral_deg;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -8,7 +8,7 @@
 #include "model/tet_mesh.hpp"
 #include "validation/mesh_topology.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 struct WallField {
   std::string id;     ///< "helix", "thickness", "source", "difference", "quality"
@@ -29,4 +29,4 @@ std::vector<WallField> wall_fields(const TetMesh& walls, const std::vector<doubl
 /// Smallest dihedral angle of a cell, degrees.
 double least_dihedral_deg(const TetMesh& mesh, std::size_t cell);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

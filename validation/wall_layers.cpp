@@ -10,7 +10,7 @@
 #include "model/labels.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 struct Wall {
@@ -140,4 +140,4 @@ std::map<std::int32_t, WallLayers> wall_layers(const TetMesh& mesh) {
   return result;
 }
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

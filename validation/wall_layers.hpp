@@ -5,7 +5,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 
 /// Layers at the places of one wall's endocardium, by area.
 struct WallLayers {
@@ -20,4 +20,4 @@ struct WallLayers {
 /// side is reached. Atrium and ventricle of one side are one side: the wall's end at a valve is not a thin wall.
 std::map<std::int32_t, WallLayers> wall_layers(const TetMesh& mesh);
 
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -6,7 +6,7 @@
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
@@ -203,4 +203,4 @@ Landmarks landmarks_of(const HeartModel& model) {
   return marks;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -10,7 +10,7 @@
 #include "model/landmarks.hpp"
 #include "model/vec.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 
 struct Anatomy;  ///< the shapes themselves, see body.hpp
 
@@ -87,4 +87,4 @@ double right_heart_contrast_hu(const HeartModel& model);
 /// Seeds in every pool and organ, the four valve discs, the epicardial apex.
 Landmarks landmarks_of(const HeartModel& model);
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

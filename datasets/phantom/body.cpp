@@ -5,7 +5,7 @@
 
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 double length2d(double a, double b) { return std::sqrt(a * a + b * b); }
@@ -263,4 +263,4 @@ Sample body_sample(const BodyShapes& body, const HeartShapes& heart, const Heart
   return lung_sample(body, p);
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

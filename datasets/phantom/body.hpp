@@ -5,7 +5,7 @@
 #include "datasets/phantom/anatomy.hpp"
 #include "datasets/phantom/heart_shapes.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 
 /// Shapes of the body. Everything analytic is written for a template thorax (x = 0 in the mid-sagittal plane) and
 /// stretched by `stretch`; tubes are stored in patient mm.
@@ -45,4 +45,4 @@ double skin_distance(const BodyShapes& body, const Vec3& p);
 
 Sample sample_at(const Anatomy& anatomy, const Vec3& p);
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -1,7 +1,7 @@
 // Where the parts of the template thorax lie. All numbers are template millimetres.
 #include "datasets/phantom/body.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 using Control = std::vector<CurvePoint>;
@@ -174,4 +174,4 @@ BodyShapes make_body_shapes(const HeartPose& pose, const Vec3& stretch, const He
   return body;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -5,7 +5,7 @@
 #include "datasets/phantom/image.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 /// Left carotid arteries and jugular vein in a frame of their own (mm, the bifurcation at the origin, z up).
@@ -87,4 +87,4 @@ void add_carotid(Phantom& phantom, int variant, double noise_hu, const Vec3& spa
   phantom.carotid_seed_mm = neck.seed;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -4,7 +4,7 @@
 #include "datasets/phantom/heart_shapes.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 constexpr double clearance_mm = 2.6;
@@ -76,4 +76,4 @@ void add_coronaries(HeartShapes& heart) {
   heart.coronaries.finish(4);
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

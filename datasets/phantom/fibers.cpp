@@ -5,7 +5,7 @@
 #include "datasets/phantom/body.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 constexpr double off_muscle_mm = 6;
@@ -122,4 +122,4 @@ Vec3 fiber_at(const HeartModel& model, const Vec3& lps_mm, HelixField helix_fiel
   return normalized(math::cos(helix) * around + math::sin(helix) * along);
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -2,7 +2,7 @@
 #include "datasets/phantom/heart_shapes.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 constexpr double reach = 16;
@@ -190,4 +190,4 @@ HeartShapes make_heart_shapes(const HeartPose& pose, const HeartSizes& sizes, co
   return heart;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

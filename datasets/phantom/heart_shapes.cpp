@@ -2,7 +2,7 @@
 
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 constexpr double reach = 16;           // mm; distances of tubes are exact up to here
@@ -188,4 +188,4 @@ HeartField heart_field(const HeartShapes& heart, const Vec3& p) {
   return f;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -8,7 +8,7 @@
 #include "datasets/phantom/shapes.hpp"
 #include "model/landmarks.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 
 /// Where the heart lies: template point q goes to `to + scale * rotation * (q - from)`. The template frame is LPS mm
 /// with x = 0 in the mid-sagittal plane and the centre of the left ventricle at (38, 0, 0).
@@ -86,4 +86,4 @@ struct WallSurfaces {
 WallSurfaces lv_wall_surfaces(const HeartShapes& heart, const Vec3& p);
 WallSurfaces rv_wall_surfaces(const HeartShapes& heart, const Vec3& p);
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

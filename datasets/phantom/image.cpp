@@ -6,7 +6,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 /// Calls body(k) for every slice; slices are dealt out in turn because those through the heart cost the most.
@@ -168,4 +168,4 @@ CtVolume rounded(const Volume<float>& volume, float lowest, float highest) {
   return result;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

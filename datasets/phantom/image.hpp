@@ -5,7 +5,7 @@
 #include "datasets/phantom/body.hpp"
 #include "model/volume.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 
 /// What every voxel centre consists of.
 struct SampledVolume {
@@ -33,4 +33,4 @@ void add_noise(Volume<float>& volume, double sigma, std::uint64_t key);
 /// Rounds and clamps to int16.
 CtVolume rounded(const Volume<float>& volume, float lowest, float highest);
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

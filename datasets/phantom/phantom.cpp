@@ -10,7 +10,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 void check(const PhantomSettings& settings) {
@@ -106,4 +106,4 @@ Phantom make_phantom(const PhantomSettings& settings) {
   return phantom;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -10,7 +10,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 
 struct PhantomSettings {
   Index3 size{256, 256, 160};      ///< voxels; each >= 8
@@ -56,4 +56,4 @@ Grid phantom_grid(const HeartModel& model, const Index3& size, const Vec3& spaci
 /// the fibre atlas where the user has none. `sheet` and `sheet_normal` complete the frame (sheet = transmural).
 TetMesh make_standin_atlas();
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

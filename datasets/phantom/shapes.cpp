@@ -1,6 +1,6 @@
 #include "datasets/phantom/shapes.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 
 double round_cone(const Vec3& p, const Vec3& a, const Vec3& b, double ra, double rb) {
   const Vec3 ab = b - a, ap = p - a;
@@ -156,4 +156,4 @@ float random_normal(std::uint64_t key, std::uint64_t counter) {
   return static_cast<float>(sum - 262140) * scale;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

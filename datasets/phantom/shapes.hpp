@@ -7,7 +7,7 @@
 
 #include "model/vec.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 
 /// Union of two distances, rounded where they differ by less than `k` mm (quadratic blend; exact elsewhere).
 inline double smooth_min(double a, double b, double k) {
@@ -116,4 +116,4 @@ double random_symmetric(std::uint64_t key, std::uint64_t counter);
 /// Standard normal to 5 sigma (sum of eight 16-bit uniforms: integer arithmetic only, hence the same bits everywhere).
 float random_normal(std::uint64_t key, std::uint64_t counter);
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

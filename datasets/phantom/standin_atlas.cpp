@@ -11,7 +11,7 @@
 #include "datasets/phantom/phantom.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
@@ -206,4 +206,4 @@ TetMesh make_standin_atlas() {
   return std::move(builder.mesh);
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -3,7 +3,7 @@
 #include "datasets/phantom/image.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 /// Grey values of a T1-like image: fat and marrow bright, flowing blood, air and compact bone dark.
@@ -57,4 +57,4 @@ void add_torso_mr(Phantom& phantom, int variant) {
   phantom.torso_mr_labels = std::move(samples.regions);
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

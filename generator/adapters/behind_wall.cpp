@@ -20,7 +20,7 @@
 #include "model/error.hpp"
 #include "model/memory.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 #ifdef __has_feature
@@ -225,4 +225,4 @@ void behind_wall(const std::string& path, const Allowance& allowance, const std:
   }
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -7,7 +7,7 @@
 
 #include "model/archive.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Text out of a file or a library as part of a message: no control characters, ASCII alone.
 std::string one_line(std::string text);
@@ -61,4 +61,4 @@ T read_behind_wall(const std::string& path, const Allowance& allowance, const Re
   return result;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 struct Sample {
@@ -136,16 +136,6 @@ AffineMap map_of(const AffineMap& start, const Vec3& center, const PoseParameter
 
 }  // namespace
 
-AffineMap inverse(const AffineMap& map) {
-  const Mat3& m = map.matrix;
-  const double det = determinant(m);
-  const Vec3 a = cross(m[1], m[2]) / det, b = cross(m[2], m[0]) / det, c = cross(m[0], m[1]) / det;
-  AffineMap result;
-  result.matrix = transposed(Mat3{{a, b, c}});
-  result.offset_mm = -(result.matrix * map.offset_mm);
-  return result;
-}
-
 PoseFit fit_pose(const AffineMap& start, const Vec3& center_mm, const std::vector<Vec3>& points_mm,
                  const std::vector<const Volume<float>*>& targets, const std::vector<std::vector<float>>& values,
                  PoseFreedom freedom) {
@@ -212,4 +202,4 @@ PoseFit fit_points(const std::vector<Vec3>& from_mm, const std::vector<Vec3>& to
   return fit;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

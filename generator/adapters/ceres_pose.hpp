@@ -2,18 +2,10 @@
 #pragma once
 #include <vector>
 
+#include "model/affine_map.hpp"
 #include "model/volume.hpp"
 
-namespace heart::adapters {
-
-/// y = matrix * x + offset_mm
-struct AffineMap {
-  Mat3 matrix;
-  Vec3 offset_mm;
-  Vec3 operator()(const Vec3& x) const { return matrix * x + offset_mm; }
-};
-
-AffineMap inverse(const AffineMap& map);
+namespace heartgen::adapters {
 
 enum class PoseFreedom { rigid, similarity, affine };  ///< 6, 7 or 12 parameters
 
@@ -34,4 +26,4 @@ PoseFit fit_pose(const AffineMap& start, const Vec3& center_mm, const std::vecto
 /// shift of their middles. `rms` is in mm. At least three points that are not on one line; no mirroring.
 PoseFit fit_points(const std::vector<Vec3>& from_mm, const std::vector<Vec3>& to_mm, PoseFreedom freedom);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

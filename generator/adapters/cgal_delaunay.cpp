@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -65,4 +65,4 @@ std::vector<Cell> delaunay_cells(std::span<const Vec3> points) {
   return cells;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

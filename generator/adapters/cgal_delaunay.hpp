@@ -7,7 +7,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/vec.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Triangles of the points' x and y, counter-clockwise, smallest node first, ascending. Of points that coincide, one is
 /// used. Empty when all points lie on a line.
@@ -16,4 +16,4 @@ std::vector<Face> delaunay_triangles(std::span<const Vec3> points);
 /// Tetrahedra, positively oriented, smallest node first, ascending. Of points that coincide, one is used.
 std::vector<Cell> delaunay_cells(std::span<const Vec3> points);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

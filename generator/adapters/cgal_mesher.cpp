@@ -15,7 +15,7 @@
 #include <cmath>
 #include <utility>
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -173,4 +173,4 @@ LabelledCells mesh_implicit(const ImplicitDomain& domain, const DelaunaySettings
   return collect(labelled_cells(complex, domain));
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -6,10 +6,10 @@
 #include <functional>
 #include <vector>
 
-#include "model/tet_mesh.hpp"
+#include "model/labelled_cells.hpp"
 #include "model/vec.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// A ball around a point of a curve that the mesh must follow. Balls of neighbouring points overlap; none holds the
 /// centre of another.
@@ -37,15 +37,7 @@ struct DelaunaySettings {
   double optimise_seconds = 0;
 };
 
-/// The Delaunay cells of all vertices: they fill the convex hull, with label 0 outside the domain.
-struct LabelledCells {
-  std::vector<Vec3> nodes_mm;       ///< ascending z, then y, then x
-  std::vector<Cell> cells;          ///< positively oriented, smallest node first, ascending
-  std::vector<std::int32_t> label;  ///< per cell, as `label_at` gives it inside
-  /// Per node: 0 where no face at it lies between two labels or has one cell only. Empty where that is not known.
-  std::vector<std::uint8_t> is_on_surface{};
-};
-
+/// The Delaunay cells of all vertices.
 LabelledCells mesh_implicit(const ImplicitDomain& domain, const DelaunaySettings& settings);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

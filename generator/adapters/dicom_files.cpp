@@ -11,7 +11,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -241,4 +241,4 @@ std::vector<DicomFile> dicom_files(const std::string& folder) {
   return files;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

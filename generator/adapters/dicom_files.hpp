@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Whether a file begins as those of the DICOM format do.
 bool is_dicom_file(const std::string& path);
@@ -24,4 +24,4 @@ struct DicomFile {
 /// that has fewer pixels than its rows and columns ask for. Compressed pixels are left to their decoder.
 std::vector<DicomFile> dicom_files(const std::string& folder);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -22,7 +22,7 @@
 #include "model/input_file.hpp"
 #include "model/quantile.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -176,4 +176,4 @@ Volume<float> read_dicom_series(const std::string& folder, bool allow_2d) {
   return volume;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

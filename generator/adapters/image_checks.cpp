@@ -8,7 +8,7 @@
 #include "model/error.hpp"
 #include "model/memory.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 constexpr double largest_anisotropy = 10, least_mm = 1e-6, most_mm = 1e5, same_direction = 1e-3;
@@ -83,4 +83,4 @@ void check_claim(double claimed_bytes, double file_bytes, bool is_compressed, co
         path, "copy or download it again");
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

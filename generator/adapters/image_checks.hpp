@@ -4,7 +4,7 @@
 
 #include "model/grid.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Before any voxel is read. Throws UserError for sizes, spacings, origins and directions that cannot be: no voxels,
 /// more than 2048 x 2048 x 2048 of them, numbers that are not finite, lengths below 1e-6 or above 1e5 mm, axes that are
@@ -18,4 +18,4 @@ void check_size(const Index3& size, const std::string& path, bool allow_2d);
 /// Throws UserError where a file claims more bytes than it can hold, compressed (by deflate, at most 1032-fold) or not.
 void check_claim(double claimed_bytes, double file_bytes, bool is_compressed, const std::string& path);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -8,7 +8,7 @@
 
 #include "model/mathematics.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 using Image = itk::Image<float, 3>;
@@ -71,4 +71,4 @@ Volume<float> itk_dense_chan_vese(const Volume<float>& image, int iterations) {
   return result;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -2,9 +2,9 @@
 #pragma once
 #include "model/volume.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// `iterations` steps from a ball in the middle of the image; the level set at the end.
 Volume<float> itk_dense_chan_vese(const Volume<float>& image, int iterations);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

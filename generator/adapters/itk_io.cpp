@@ -33,7 +33,7 @@
 #include "model/new_file.hpp"
 #include "model/text.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 static auto members(LabelSegment& s) { return std::tie(s.name, s.value, s.layer); }
 
@@ -523,4 +523,4 @@ void write_volume(const std::string& path, const Volume<std::int16_t>& volume) {
 void write_volume(const std::string& path, const Volume<std::uint8_t>& volume) { write(path, volume); }
 void write_volume(const std::string& path, const Volume<float>& volume) { write(path, volume); }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

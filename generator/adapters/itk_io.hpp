@@ -8,7 +8,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Reads a CT (Hounsfield units). `path` is an image file or a folder that holds exactly one DICOM series.
 /// Throws UserError: missing or unreadable file, truncated data, not 3D, NaN, anisotropy beyond 10:1, missing
@@ -62,4 +62,4 @@ void write_volume(const std::string& path, const Volume<float>& volume);
 template <class T>
 Volume<T> with_canonical_axes(const Volume<T>& volume);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 using Scalar = itk::Image<float, 3>;
@@ -126,4 +126,4 @@ Volume<Vec3> diffeomorphic_demons(const Volume<float>& fixed, const Volume<float
   return result;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

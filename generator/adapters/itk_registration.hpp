@@ -6,7 +6,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 struct DemonsSettings {
   double sigma_mm = 2;                         ///< Gaussian smoothing of the displacement after each iteration
@@ -20,4 +20,4 @@ struct DemonsSettings {
 Volume<Vec3> diffeomorphic_demons(const Volume<float>& fixed, const Volume<float>& moving,
                                   const DemonsSettings& settings);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

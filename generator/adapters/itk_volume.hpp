@@ -6,7 +6,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 template <class T>
 using Image = itk::Image<T, 3>;
@@ -34,4 +34,4 @@ Volume<T> plain_volume(const Image<T>& image) {
   return volume;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -14,7 +14,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +111,4 @@ bool point_to_voxels(const std::string& header, const std::string& voxels_file) 
   return at != std::string::npos && file.flush().good();
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

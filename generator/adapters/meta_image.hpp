@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Before the library, which copies names and texts of a header into fixed places and looks at no bound. Throws
 /// UserError for a line that does not fit there, for a number of dimensions that no image has, and for sizes that are
@@ -20,4 +20,4 @@ void check_meta_image(const std::string& path, std::uintmax_t voxel_bytes, const
 /// Sets the name of the file, beside the header, that holds its voxels. False when it cannot be written.
 bool point_to_voxels(const std::string& header, const std::string& voxels_file);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

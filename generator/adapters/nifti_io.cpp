@@ -16,7 +16,7 @@
 #include "generator/adapters/image_checks.hpp"
 #include "model/error.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 /// sform first (what converters write), then qform, then bare voxel sizes.
@@ -147,4 +147,4 @@ Volume<float> read_nifti(const std::string& path) {
   return volume;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

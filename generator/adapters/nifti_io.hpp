@@ -5,7 +5,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// The grid alone, from the header. Throws UserError for a damaged header or more than three dimensions.
 Grid read_nifti_grid(const std::string& path);
@@ -14,4 +14,4 @@ Grid read_nifti_grid(const std::string& path);
 /// format's RAS to LPS. Throws UserError: damaged header, truncated data, sheared or missing orientation.
 Volume<float> read_nifti(const std::string& path);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

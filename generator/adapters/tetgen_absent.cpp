@@ -2,7 +2,7 @@
 #include "generator/adapters/tetgen_mesher.hpp"
 #include "model/error.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 bool has_tetgen() { return false; }
 
@@ -12,4 +12,4 @@ LabelledCells fill_surfaces(const SurfaceComplex& /*surfaces*/, const std::funct
                   "configure with cmake -DHEARTGEN_TETGEN=ON (the program is then under the AGPL), or use \"lattice\"");
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

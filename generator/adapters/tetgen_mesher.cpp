@@ -19,7 +19,7 @@
 
 #include "model/error.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 constexpr int refused = 99;  // exit code of the child for errors that TetGen has no number for
@@ -217,4 +217,4 @@ LabelledCells fill_surfaces(const SurfaceComplex& surfaces, const std::function<
   return cells;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -5,11 +5,11 @@
 #include <functional>
 #include <vector>
 
-#include "generator/adapters/cgal_mesher.hpp"
+#include "model/labelled_cells.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/vec.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// A point strictly inside a piece of a material.
 struct MaterialSeed {
@@ -39,4 +39,4 @@ bool has_tetgen();
 LabelledCells fill_surfaces(const SurfaceComplex& surfaces, const std::function<double(const Vec3&)>& edge_mm,
                             const FillSettings& settings);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

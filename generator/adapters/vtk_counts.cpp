@@ -14,7 +14,7 @@
 
 #include "model/error.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 constexpr std::uint64_t largest_compression = 1032;
@@ -200,4 +200,4 @@ void refuse_absurd_counts(const std::filesystem::path& path) {
     check_xml(file);
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

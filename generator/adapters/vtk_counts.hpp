@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Refuses counts that the file cannot hold, before VTK allocates memory for them: points, cells and tuples of the
 /// header (XML and legacy), the nodes of the cells against the numbers behind CELLS (legacy), and the block tables of
@@ -10,4 +10,4 @@ namespace heart::adapters {
 /// of its size (the limit of deflate). Throws UserError; what is no VTK file is left to the reader.
 void refuse_absurd_counts(const std::filesystem::path& path);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -12,7 +12,7 @@
 
 #include "model/error.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 /// Takes what VTK would print to the terminal.
@@ -79,4 +79,4 @@ void run_guarded(const std::filesystem::path& path, const std::string& action, c
                     "is the file complete, and is there room and right to write?");
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -4,10 +4,10 @@
 #include <functional>
 #include <string>
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Runs a VTK reader or writer. A false result, any error message of VTK (captured, never printed) or a lack of memory
 /// becomes a UserError "path: action: message". VTK has one message window per process: calls are serialised.
 void run_guarded(const std::filesystem::path& path, const std::string& action, const std::function<bool()>& run);
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -29,7 +29,7 @@
 #include "model/new_file.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 static_assert(sizeof(Mat3) == 9 * sizeof(double));
@@ -268,13 +268,14 @@ void write_vtp(const std::filesystem::path& path, const TetMesh& mesh) {
   write_patch(path, mesh, face_patch(mesh, all, mesh.rims), mesh.rims, {});
 }
 
-void write_curves(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<FeatureCurve>& curves) {
+void write_curves(const std::filesystem::path& path, const TetMesh& mesh,
+                  const std::vector<mesh_queries::FeatureCurve>& curves) {
   std::vector<std::int32_t> nodes, number;
-  std::vector<NodePair> lines;
+  std::vector<mesh_queries::NodePair> lines;
   vtkNew<vtkStringArray> names;
   names->SetName("curve_name");
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    names->InsertNextValue(curve_name(curves[c]));
+    names->InsertNextValue(mesh_queries::curve_name(curves[c]));
     for (const auto& edge : curves[c].edges) {
       lines.push_back(edge);
       number.push_back(static_cast<std::int32_t>(c));
@@ -355,4 +356,4 @@ void write_unstructured(const std::filesystem::path& path, const UnstructuredDat
 
 std::string vtk_version() { return vtkVersion::GetVTKVersion(); }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -16,12 +16,12 @@
 #include <string>
 #include <vector>
 
-#include "model/feature_curves.hpp"
+#include "model/mesh_queries/feature_curves.hpp"
 #include "model/tet_mesh.hpp"
 #include "model/tri_mesh.hpp"
 #include "model/unstructured_data.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 
 /// Nodes, cells, regions, fibres and parent ids of a mesh; not its faces and rims.
 void write_vtu(const std::filesystem::path& path, const TetMesh& mesh);
@@ -31,7 +31,8 @@ void write_vtp(const std::filesystem::path& path, const TetMesh& mesh);
 
 /// Nodes and edges of the curves where surfaces meet: cell array `curve` int32, the number of the edge's curve; field
 /// array `curve_name`, their names in order; point array `GlobalNodeID` int32 as in NAME.vtp.
-void write_curves(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<FeatureCurve>& curves);
+void write_curves(const std::filesystem::path& path, const TetMesh& mesh,
+                  const std::vector<mesh_queries::FeatureCurve>& curves);
 
 /// int32 arrays by name, for codes that look for names of their own.
 using IntArrays = std::map<std::string, std::vector<std::int32_t>>;
@@ -57,7 +58,7 @@ TetMesh read_vtu(const std::filesystem::path& path);
 /// The inverse of write_vtp: fills faces, surface and rims of a mesh that read_vtu returned.
 void read_surface(const std::filesystem::path& path, TetMesh& mesh);
 
-using heart::UnstructuredData;
+using heartgen::UnstructuredData;
 
 /// Legacy .vtk (ASCII or binary) or .vtu, told apart by the content. Arrays of 1, 3, 6 (symmetric: xx yy zz xy yz xz)
 /// and 9 components are kept, as double, those of cells on tetrahedra and triangles. Throws UserError, also for volumes
@@ -72,4 +73,4 @@ void write_unstructured(const std::filesystem::path& path, const UnstructuredDat
 /// e.g. "9.1.0"
 std::string vtk_version();
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

@@ -28,7 +28,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 [[noreturn]] void fail_reading(const std::filesystem::path& path, const std::string& problem) {
@@ -364,4 +364,4 @@ UnstructuredData read_unstructured(const std::filesystem::path& path) {
   return data;
 }
 
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

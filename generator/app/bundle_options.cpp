@@ -3,20 +3,23 @@
 #include "exporters/registry.hpp"
 #include "generator/app/options.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
+
+using command_line::add_command;
+using command_line::on_root;
 
 void add_build(Program& p) {
   auto* sub =
-      subcommand(p, "build", "Build a model bundle from a recipe and a CT",
-                 "heartgen build recipe.toml --ct patient.nii.gz --output bundle\n"
-                 "Labels from elsewhere; what they lack (thin walls, body) is made from the CT:\n"
-                 "  heartgen build recipe.toml --ct ct.nii.gz --labels masks --preset totalsegmentator -o bundle\n"
-                 "Correct one stage by hand:\n"
-                 "  heartgen build recipe.toml --keep-stages stages -o first\n"
-                 "  (edit stages/chambers.nii.gz; in the recipe: [replace] chambers = \"stages/chambers.nii.gz\")\n"
-                 "  heartgen build recipe.toml -o corrected",
-                 [&p] { return build_command(p.build, p.comm); });
+      add_command(p.line, "build", "Build a model bundle from a recipe and a CT",
+                  "heartgen build recipe.toml --ct patient.nii.gz --output bundle\n"
+                  "Labels from elsewhere; what they lack (thin walls, body) is made from the CT:\n"
+                  "  heartgen build recipe.toml --ct ct.nii.gz --labels masks --preset totalsegmentator -o bundle\n"
+                  "Correct one stage by hand:\n"
+                  "  heartgen build recipe.toml --keep-stages stages -o first\n"
+                  "  (edit stages/chambers.nii.gz; in the recipe: [replace] chambers = \"stages/chambers.nii.gz\")\n"
+                  "  heartgen build recipe.toml -o corrected",
+                  [&p] { return build_command(p.build, p.line.comm); });
   sub->add_option("recipe", p.build.recipe, "recipe (.toml)")->required();
   sub->add_option("--ct", p.build.ct, "CT volume or DICOM folder, instead of the recipe's");
   sub->add_option("--labels", p.build.labels,
@@ -51,11 +54,11 @@ void add_own_mesh_options(CLI::App& sub, std::string& region, std::string& unit)
 }
 
 void add_bundle_commands(Program& p) {
-  auto* validate = subcommand(
-      p, "validate", "Certify the meshes and fibres of a bundle, or any tetrahedral mesh (exit 3 below bounds)",
+  auto* validate = add_command(
+      p.line, "validate", "Certify the meshes and fibres of a bundle, or any tetrahedral mesh (exit 3 below bounds)",
       "heartgen validate bundle --reference-labels truth/labels.nii.gz\n"
       "  heartgen validate mine.msh --all",
-      on_root(p, [&p] { return validate_command(p.validate); }));
+      on_root(p.line, [&p] { return validate_command(p.validate); }));
   validate->add_option("bundle", p.validate.bundle, std::string("folder of the bundle, or a mesh: ") + mesh_kinds)
       ->required();
   validate->add_option("--reference-labels", p.validate.reference_labels, "known label map: Dice and distances");
@@ -65,31 +68,33 @@ void add_bundle_commands(Program& p) {
   validate->add_flag("--all", p.validate.all_rows, "also rows without a bound");
   validate->add_flag("--json", p.validate.json, "print every row as JSON");
 
-  auto* verify = subcommand(p, "verify", "Check every file of a bundle against its manifest", "heartgen verify bundle",
-                            on_root(p, [&p] { return verify_command(p.bundle, p.json); }));
+  auto* verify =
+      add_command(p.line, "verify", "Check every file of a bundle against its manifest", "heartgen verify bundle",
+                  on_root(p.line, [&p] { return verify_command(p.bundle, p.json); }));
   verify->add_option("bundle", p.bundle, "folder of the bundle")->required();
   verify->add_flag("--json", p.json, "print the problems as JSON");
 
-  auto* info = subcommand(p, "info", "Name, meshes, regions and surfaces of a bundle", "heartgen info bundle",
-                          on_root(p, [&p] { return info_command(p.bundle, p.json); }));
+  auto* info = add_command(p.line, "info", "Name, meshes, regions and surfaces of a bundle", "heartgen info bundle",
+                           on_root(p.line, [&p] { return info_command(p.bundle, p.json); }));
   info->add_option("bundle", p.bundle, "folder of the bundle")->required();
   info->add_flag("--json", p.json, "print as JSON");
 
-  auto* pack = subcommand(p, "pack", "Pack a bundle into one file", "heartgen pack bundle heart-1.0.0.tar.zst",
-                          on_root(p, [&p] { return pack_command(p.bundle, p.path, p.json); }));
+  auto* pack = add_command(p.line, "pack", "Pack a bundle into one file", "heartgen pack bundle heart-1.0.0.tar.zst",
+                           on_root(p.line, [&p] { return pack_command(p.bundle, p.path, p.json); }));
   pack->add_option("bundle", p.bundle, "folder of the bundle")->required();
   pack->add_option("archive", p.path, "file to write (.tar.zst)")->required();
   pack->add_flag("--json", p.json, "print as JSON");
 
-  auto* unpack = subcommand(p, "unpack", "Unpack and verify a bundle", "heartgen unpack heart-1.0.0.tar.zst bundle",
-                            on_root(p, [&p] { return unpack_command(p.path, p.bundle, p.json); }));
+  auto* unpack =
+      add_command(p.line, "unpack", "Unpack and verify a bundle", "heartgen unpack heart-1.0.0.tar.zst bundle",
+                  on_root(p.line, [&p] { return unpack_command(p.path, p.bundle, p.json); }));
   unpack->add_option("archive", p.path, "file made by heartgen pack")->required();
   unpack->add_option("folder", p.bundle, "folder to make")->required();
   unpack->add_flag("--json", p.json, "print as JSON");
 
   auto* report =
-      subcommand(p, "report", "Write the HTML report of a bundle again", "heartgen report bundle report.html",
-                 on_root(p, [&p] { return report_command(p.bundle, p.path, p.ct, p.json); }));
+      add_command(p.line, "report", "Write the HTML report of a bundle again", "heartgen report bundle report.html",
+                  on_root(p.line, [&p] { return report_command(p.bundle, p.path, p.ct, p.json); }));
   report->add_option("bundle", p.bundle, "folder of the bundle")->required();
   report->add_option("html", p.path, "file to write")->required();
   report->add_option("--ct", p.ct, "the CT, to show slices of it");
@@ -97,9 +102,9 @@ void add_bundle_commands(Program& p) {
 }
 
 void add_export(Program& p) {
-  auto* sub = subcommand(p, "export", "Write a bundle's meshes, or any tetrahedral mesh, for other programs",
-                         "heartgen export bundle --to vtk,msh,xdmf --output export",
-                         on_root(p, [&p] { return export_command(p.exporting); }));
+  auto* sub = add_command(p.line, "export", "Write a bundle's meshes, or any tetrahedral mesh, for other programs",
+                          "heartgen export bundle --to vtk,msh,xdmf --output export",
+                          on_root(p.line, [&p] { return export_command(p.exporting); }));
   std::string formats;
   for (const auto& format : exporters::export_formats())
     formats += fmt::format("\n  {:<15} {:>2}  {}", format.name, format.unit, format.description);
@@ -126,9 +131,9 @@ void add_export(Program& p) {
 
 void add_transfer(Program& p) {
   auto& c = p.transfer;
-  auto* sub = subcommand(p, "transfer", "Put a bundle's fibres on another mesh of the same heart",
-                         "heartgen transfer bundle mine.vtu mine_with_fibres.vtu",
-                         on_root(p, [&p] { return transfer_command(p.transfer); }));
+  auto* sub = add_command(p.line, "transfer", "Put a bundle's fibres on another mesh of the same heart",
+                          "heartgen transfer bundle mine.vtu mine_with_fibres.vtu",
+                          on_root(p.line, [&p] { return transfer_command(p.transfer); }));
   sub->add_option("source", c.source, "folder of a bundle, or a mesh with the vectors fiber and sheet on its points")
       ->required();
   sub->add_option("input", c.input,
@@ -142,10 +147,10 @@ void add_transfer(Program& p) {
 
 void add_place(Program& p) {
   auto& c = p.place;
-  auto* sub = subcommand(p, "place", "Put a heart into another patient's torso: one label map to build from",
-                         "heartgen place heart.nii.gz torso.nii.gz placed.nii.gz --scale --pose pose.json\n"
-                         "  heartgen build recipe.toml --labels placed.nii.gz --output bundle",
-                         on_root(p, [&p] { return place_command(p.place); }));
+  auto* sub = add_command(p.line, "place", "Put a heart into another patient's torso: one label map to build from",
+                          "heartgen place heart.nii.gz torso.nii.gz placed.nii.gz --scale --pose pose.json\n"
+                          "  heartgen build recipe.toml --labels placed.nii.gz --output bundle",
+                          on_root(p.line, [&p] { return place_command(p.place); }));
   sub->add_option("heart", c.heart, "label map with the heart, with the tags of a bundle")->required();
   sub->add_option("torso", c.torso, "label map with the torso, with the tags of a bundle")->required();
   sub->add_option("output", c.output, "label map to write: the heart's grid, continued")->required();
@@ -166,4 +171,4 @@ void add_bundle_options(Program& p) {
   add_place(p);
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -15,36 +15,36 @@
 #include "exporters/registry.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
-#include "generator/app/check_inputs.hpp"
-#include "generator/app/input_files.hpp"
-#include "generator/app/landmarks_picture.hpp"
-#include "generator/app/mesh_certificate.hpp"
+#include "generator/anatomy/hounsfield.hpp"
+#include "generator/anatomy/padding.hpp"
 #include "generator/app/own_mesh.hpp"
-#include "generator/app/pipeline.hpp"
-#include "generator/app/print_certificate.hpp"
-#include "generator/app/resolutions.hpp"
-#include "generator/app/stage_files.hpp"
 #include "generator/labels/given_labels.hpp"
 #include "generator/labels/judge.hpp"
 #include "generator/landmarks/judge.hpp"
 #include "generator/landmarks/search.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/walls.hpp"
-#include "generator/segment/filters.hpp"
-#include "generator/segment/hounsfield.hpp"
-#include "generator/segment/padding.hpp"
+#include "generator/pde/filters.hpp"
+#include "generator/pipeline/check_inputs.hpp"
+#include "generator/pipeline/input_files.hpp"
+#include "generator/pipeline/landmarks_picture.hpp"
+#include "generator/pipeline/mesh_certificate.hpp"
+#include "generator/pipeline/pipeline.hpp"
+#include "generator/pipeline/print_certificate.hpp"
+#include "generator/pipeline/resolutions.hpp"
+#include "generator/pipeline/stage_files.hpp"
 #include "model/error.hpp"
-#include "model/feature_curves.hpp"
 #include "model/memory.hpp"
+#include "model/mesh_queries/feature_curves.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 #include "validation/contour_fit.hpp"
 #include "validation/mesh_checks.hpp"
 #include "validation/reference_fibers.hpp"
-#include "validation/report_html.hpp"
+#include "validation/report/report_html.hpp"
 #include "validation/uses.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -65,14 +65,14 @@ CtVolume ct_of_labels(const std::string& path, const LabelVolume& labels) {
   if (!labels::same_place(ct.grid, labels.grid))
     throw UserError("has another size, spacing or place than the bundle's label map", path,
                     "give the CT that the bundle was made from, or none");
-  segment::require_hounsfield(ct, path);
+  anatomy::require_hounsfield(ct, path);
   labels::refuse_labels_beside_heart(labels, ct, path);
   return ct;
 }
 
 std::string remark_on_ct(const std::string& path, const exporters::Manifest& manifest) {
   if (path.empty()) return "Made from the bundle alone: the CT is not part of it.";
-  const auto given = hash_input("ct", path).sha256;
+  const auto given = pipeline::hash_input("ct", path).sha256;
   const bool is_input = std::any_of(manifest.inputs.begin(), manifest.inputs.end(),
                                     [&](const auto& input) { return input.sha256 == given; });
   return is_input ? "" : "Drawn over a CT that is not, byte for byte, one of the bundle's inputs.";
@@ -92,7 +92,7 @@ std::vector<fs::path> write_mesh(const fs::path& path, const TetMesh& mesh) {
   const std::string format = kind == ".msh" ? "msh-ascii" : kind.substr(1);
   auto files = exporters::export_mesh(format, mesh, name, path.has_parent_path() ? path.parent_path() : ".");
   files.push_back(fs::path(path).replace_filename(name + "_curves.vtp"));
-  adapters::write_curves(files.back(), mesh, feature_curves(mesh));
+  adapters::write_curves(files.back(), mesh, mesh_queries::feature_curves(mesh));
   return files;
 }
 
@@ -141,7 +141,7 @@ Recipe bundle_recipe(const std::string& bundle) { return read_recipe((fs::path(b
 
 int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   Recipe recipe;
-  BuildOptions options;
+  pipeline::BuildOptions options;
   if (command.output.empty()) throw UserError("no folder is named", "--output", "name the folder of the bundle");
   // Every rank reads the recipe, so that all fail or go on together.
   recipe = read_recipe(command.recipe);
@@ -161,7 +161,7 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   options.replace = command.force;
   options.progress = !command.quiet;
   options.accept_doubtful = command.accept_doubtful;
-  const BuildResult result = build(recipe, options, comm);
+  const pipeline::BuildResult result = pipeline::build(recipe, options, comm);
   if (!comm.is_root()) return 0;
   const int exit_code = verdict_of(result.certificate) == Verdict::failed ? validation_failed : 0;
   if (command.json) {
@@ -173,7 +173,7 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
     return exit_code;
   }
   fmt::print("{}\n", result.log);
-  print_certificate(result.certificate, false);
+  pipeline::print_certificate(result.certificate, false);
   fmt::print("bundle      {}\ncontent id  {}\nreport      {}\n", command.output, result.content_id,
              (options.output / "validation" / "report.html").string());
   return exit_code;
@@ -192,24 +192,24 @@ int validate_command(const ValidateCommand& command) {
   const auto meshes = read_meshes(command.bundle);
   const LabelVolume labels = exporters::read_labels(command.bundle);
   const Recipe recipe = bundle_recipe(command.bundle);
-  const Report measured = certificate(meshes, labels, recipe.mesh, bounds_of(recipe));
+  const Report measured = pipeline::certificate(meshes, labels, recipe.mesh, bounds_of(recipe));
   Certificate certificate = exporters::read_certificate(command.bundle);
   Report report = kept_rows(certificate.rows, measured);
   append(report, measured);
   if (known_labels) append(report, validation::compare_labels(labels, *known_labels));
   if (known_fibers && meshes.contains("myocardium"))
     append(report, validation::compare_fibers(meshes.at("myocardium"), *known_fibers));
-  certificate =
-      validation::certified(std::move(report), std::move(certificate.warnings), names_of(meshes), bounds_of(recipe));
+  certificate = validation::certified(std::move(report), std::move(certificate.warnings), pipeline::names_of(meshes),
+                                      bounds_of(recipe));
   if (command.json)
     fmt::print("{}\n", exporters::certificate_json(certificate));
   else
-    print_certificate(certificate, command.all_rows);
+    pipeline::print_certificate(certificate, command.all_rows);
   // What the user asked to compare is shown without --all.
   if (!command.json && !command.all_rows)
     for (const auto& row : certificate.rows)
       if (row.metric == "dice" || row.metric.starts_with("axis_error") || row.metric == "surface_distance_mean")
-        print_row(row);
+        pipeline::print_row(row);
   return verdict_of(certificate) == Verdict::failed ? validation_failed : 0;
 }
 
@@ -259,7 +259,7 @@ int info_command(const std::string& bundle, bool json) {
   }
   fmt::print("{} {}  content id {}\nunit {}, frame {}, fibres: {}\n", manifest.name, manifest.version,
              manifest.content_id, manifest.unit, manifest.frame, manifest.atlas.empty() ? "none" : manifest.atlas);
-  print_trust(manifest.uses, manifest.warnings);
+  pipeline::print_trust(manifest.uses, manifest.warnings);
   for (const auto& [name, mesh] : manifest.meshes) {
     fmt::print("\n{}: {} nodes, {} cells, {} labelled faces\n", name, mesh.nodes, mesh.cells, mesh.faces);
     for (const auto& [region, cells] : mesh.regions) fmt::print("  region  {:<28} {:>9} cells\n", region, cells);
@@ -277,7 +277,7 @@ int report_command(const std::string& bundle, const std::string& html, const std
   const LabelVolume labels = exporters::read_labels(bundle);
   Certificate certificate = exporters::read_certificate(bundle);
   const CtVolume ct = ct_path.empty() ? CtVolume{} : ct_of_labels(ct_path, labels);
-  validation::ReportInput input;
+  report::ReportInput input;
   input.name = manifest.name;
   input.version = manifest.version;
   input.ct = ct_path.empty() ? nullptr : &ct;
@@ -289,7 +289,7 @@ int report_command(const std::string& bundle, const std::string& html, const std
   for (const auto& [name, version] : manifest.tools) input.tools.emplace_back(name, version);
   if (const auto remark = remark_on_ct(ct_path, manifest); !remark.empty())
     certificate.warnings.push_back({"report.ct", WarningLevel::note, remark});
-  write_text(html, validation::make_report(input));
+  write_text(html, report::make_report(input));
   print_written("report", html, json);
   return 0;
 }
@@ -305,14 +305,14 @@ int filter_command(const FilterCommand& command, const parallel::Comm& comm) {
   }
   adapters::check_image_output(command.output);
   const auto image = parallel::run_on_root(comm, [&] { return adapters::read_image(command.input); });
-  const auto result = segment::apply_filter(command.name, image, parameters, comm);
+  const auto result = pde::apply_filter(command.name, image, parameters, comm);
   parallel::run_on_root(comm, [&] { adapters::write_volume(command.output, result); });
   return 0;
 }
 
 std::string filter_help() {
   std::string text = "Filters and their parameters:\n";
-  for (const auto& filter : segment::filters()) {
+  for (const auto& filter : pde::filters()) {
     text += fmt::format("  {:<20} {}\n  {:<20} {}\n", filter.name, filter.help, "", filter.equation);
     for (const auto& parameter : filter.parameters)
       text += fmt::format("      --{:<16} {} (default {})\n", parameter.name, parameter.help, parameter.default_value);
@@ -378,7 +378,7 @@ int mesh_command(const MeshCommand& command) {
   if (command.edge_mm) settings.heart_edge_mm = *command.edge_mm;
   if (command.wall_layers) settings.wall_layers = *command.wall_layers;
   if (!command.backend.empty()) settings.backend = command.backend;
-  check_edges(settings);
+  pipeline::check_edges(settings);
   mesh::check_settings(settings);
   if (command.walls && settings.backend != MeshSettings{}.backend)
     throw UserError(fmt::format("--walls does not go with the back end \"{}\"", settings.backend), "--backend",
@@ -393,7 +393,7 @@ int mesh_command(const MeshCommand& command) {
     std::fflush(stderr);
   };
   const LabelVolume labels = labels_to_mesh(command);
-  check_memory(labels, settings, memory_bytes());
+  pipeline::check_memory(labels, settings, memory_bytes());
   Volume<float> own_edges_mm;
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
   const Volume<float>* edges = command.size_field.empty() ? nullptr : &own_edges_mm;
@@ -404,10 +404,10 @@ int mesh_command(const MeshCommand& command) {
     const auto walls = mesh::wall_level_sets(labels, settings);
     remark_on_thin_walls(walls);
     mesh = mesh::mesh_walls(walls, settings, &steps, edges);
-    fidelity = check_fidelity(name, mesh, walls, bounds);
+    fidelity = pipeline::check_fidelity(name, mesh, walls, bounds);
   } else {
     mesh = mesh::mesh_labels(labels, settings, &steps, edges);
-    fidelity = check_fidelity(name, mesh, labels, settings, bounds);
+    fidelity = pipeline::check_fidelity(name, mesh, labels, settings, bounds);
   }
   require_cells(mesh, settings, command.labels);
   remark_on_lost_regions(mesh, labels, command, settings.heart_edge_mm);
@@ -419,7 +419,7 @@ int mesh_command(const MeshCommand& command) {
   else {
     fmt::print("{} nodes, {} cells in\n", mesh.nodes_mm.size(), mesh.cells.size());
     for (const auto& file : files) fmt::print("  {}\n", file.lexically_normal().string());
-    print_rows(report, false);
+    pipeline::print_rows(report, false);
   }
   return all_passed(report) ? 0 : validation_failed;
 }
@@ -462,11 +462,11 @@ int landmarks_command(const LandmarksCommand& command) {
   for (const auto& file : {command.output, command.picture})
     if (!file.empty()) check_output(file);
   auto image = adapters::read_ct(command.ct);
-  segment::close_padding(image, segment::find_padding(image));
+  anatomy::close_padding(image, anatomy::find_padding(image));
   const auto result = landmarks::search(image);
   if (!command.output.empty()) write_text(command.output, write_landmarks(result.found.landmarks));
   if (!command.picture.empty()) {
-    const auto png = landmarks_picture(image, result);
+    const auto png = pipeline::landmarks_picture(image, result);
     write_text(command.picture, std::string(png.begin(), png.end()));
   }
   if (command.json)
@@ -478,4 +478,4 @@ int landmarks_command(const LandmarksCommand& command) {
   return landmarks::trust_in(result.found.confidence) == landmarks::Trust::doubtful ? validation_failed : 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

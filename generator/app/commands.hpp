@@ -10,7 +10,7 @@
 #include "generator/parallel/comm.hpp"
 #include "model/grid.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct BuildCommand {
   std::string recipe, ct, labels, preset, atlas, atlas_array, landmarks, keep_stages, output;
@@ -73,7 +73,7 @@ struct PhantomCommand {
   Vec3 spacing_mm{1.4, 1.4, 1.9};
   int variant = 0;
   double noise_hu = 22;
-  datasets::HeartOverrides heart;
+  phantom::HeartOverrides heart;
   bool json = false;
 };
 int phantom_command(const PhantomCommand& command);
@@ -85,4 +85,4 @@ struct SelftestCommand {
 /// @collective
 int selftest_command(const SelftestCommand& command, const parallel::Comm& comm);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -1,17 +1,16 @@
-// `heartgen contours`: deformable contours on an image, and the figure of the broken circle.
+// `heartgen contours`: deformable contours on an image.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "generator/parallel/comm.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct ContoursCommand {
-  std::string method;         ///< snake, geometric, geodesic, subjective, broken-circle
+  std::string method;         ///< snake, geometric, geodesic or subjective
   std::string input, output;  ///< image in; mask (1 inside) out
   std::string surface;        ///< also write φ (geometric, geodesic: mm, negative inside; subjective: high inside)
-  std::string folder;         ///< broken-circle: where the pictures go
   std::vector<double> seeds;  ///< x, y, z, x, y, z, ... LPS mm
   double radius_mm = 5;       ///< of the start around the seeds
   double smoothing_mm = 1;
@@ -20,11 +19,10 @@ struct ContoursCommand {
   double tension_mm = 0.3, rigidity_mm3 = 1;
   double share = 0.5;   ///< subjective: level of the object's border, of the plateau at the seeds
   int iterations = -1;  ///< -1: the method's default
-  double noise = 0;     ///< broken-circle
   bool json = false;
 };
 
 /// @collective (snakes run on the root)
 int contours_command(const ContoursCommand& command, const parallel::Comm& comm);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

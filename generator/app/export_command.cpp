@@ -12,7 +12,7 @@
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +100,4 @@ int export_command(const ExportCommand& command) {
   return 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

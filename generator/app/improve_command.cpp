@@ -7,13 +7,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "generator/improve/carry_mesh.hpp"
-#include "generator/improve/orient.hpp"
-#include "generator/meshes/any_mesh.hpp"
+#include "generator/mesh_files/any_mesh.hpp"
+#include "generator/tetmesh/carry_mesh.hpp"
+#include "generator/tetmesh/orient.hpp"
 #include "model/error.hpp"
 #include "validation/cell_quality.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -86,7 +86,7 @@ void print(const Angles& before, const Angles& after) {
 }
 
 Json as_json(const ImproveCommand& command, const Angles& before, const Angles& after,
-             const improve::ImprovedMesh& improved, const std::vector<std::string>& remarks) {
+             const tetmesh::ImprovedMesh& improved, const std::vector<std::string>& remarks) {
   return {{"output", command.output},
           {"before", as_json(before)},
           {"after", as_json(after)},
@@ -99,19 +99,19 @@ Json as_json(const ImproveCommand& command, const Angles& before, const Angles& 
 }  // namespace
 
 int improve_command(const ImproveCommand& command) {
-  if (!meshes::is_mesh_name(command.input)) meshes::read_any_mesh(command.input);  // tells the kinds there are
-  meshes::check_mesh_output(command.output);
-  auto mesh = meshes::read_any_mesh(command.input);
+  if (!mesh_files::is_mesh_name(command.input)) mesh_files::read_any_mesh(command.input);  // tells the kinds there are
+  mesh_files::check_mesh_output(command.output);
+  auto mesh = mesh_files::read_any_mesh(command.input);
   drop_arrays(mesh, command);
-  const auto labels = meshes::find_labels(mesh, command.region, command.input);
-  const auto ids = improve::take_out_ids(mesh, labels);
+  const auto labels = mesh_files::find_labels(mesh, command.region, command.input);
+  const auto ids = tetmesh::take_out_ids(mesh, labels);
   const auto improved =
-      improve::improve_mesh(mesh.points, mesh.tets, meshes::cell_labels(mesh, labels), command.settings);
-  const auto before = measure(mesh.points, improve::oriented_cells(mesh.points, mesh.tets));
+      tetmesh::improve_mesh(mesh.points, mesh.tets, mesh_files::cell_labels(mesh, labels), command.settings);
+  const auto before = measure(mesh.points, tetmesh::oriented_cells(mesh.points, mesh.tets));
   const auto after = measure(improved.nodes_mm, improved.cells);
-  const auto result = improve::carried_mesh(mesh, labels, ids, improved);
+  const auto result = tetmesh::carried_mesh(mesh, labels, ids, improved);
   auto remarks = result.remarks;
-  for (auto& remark : meshes::write_any_mesh(command.output, result, labels)) remarks.push_back(std::move(remark));
+  for (auto& remark : mesh_files::write_any_mesh(command.output, result, labels)) remarks.push_back(std::move(remark));
   if (command.json) {
     fmt::print("{}\n", as_json(command, before, after, improved, remarks).dump(1));
     return 0;
@@ -127,4 +127,4 @@ int improve_command(const ImproveCommand& command) {
   return 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "generator/improve/improve_mesh.hpp"
+#include "generator/tetmesh/improve_mesh.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct ImproveCommand {
   std::string input, output;
   std::string region;             ///< cell array with the regions; empty: the first known name
   std::vector<std::string> drop;  ///< arrays to leave out
-  improve::ImproveSettings settings;
+  tetmesh::ImproveSettings settings;
   bool json = false;
 };
 
@@ -19,4 +19,4 @@ struct ImproveCommand {
 /// left out. Arrays, triangles and ids are carried: see carry_mesh.hpp. Throws UserError, before anything is written.
 int improve_command(const ImproveCommand& command);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

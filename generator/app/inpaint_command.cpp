@@ -13,7 +13,7 @@
 #include "model/error.hpp"
 #include "model/labels.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -103,4 +103,4 @@ int inpaint_command(const InpaintCommand& command, const parallel::Comm& comm) {
   return 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -5,7 +5,7 @@
 
 #include "generator/parallel/comm.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct InpaintCommand {
   std::string input, labels, output;  ///< folders with fiber_x.nrrd, fiber_y.nrrd, fiber_z.nrrd; a label map
@@ -18,4 +18,4 @@ struct InpaintCommand {
 /// number of ranks. @collective
 int inpaint_command(const InpaintCommand& command, const parallel::Comm& comm);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

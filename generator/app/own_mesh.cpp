@@ -10,12 +10,12 @@
 
 #include "exporters/registry.hpp"
 #include "generator/fibers/frame.hpp"
-#include "generator/improve/orient.hpp"
-#include "generator/meshes/any_mesh.hpp"
-#include "generator/meshes/surface_faces.hpp"
+#include "generator/mesh_files/any_mesh.hpp"
+#include "generator/mesh_files/surface_faces.hpp"
+#include "generator/tetmesh/orient.hpp"
 #include "model/fiber_names.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 Face sorted(Face face) {
@@ -64,7 +64,7 @@ void set_faces(const UnstructuredData& data, const std::vector<std::int32_t>& la
     return cell < 0 ? outside : mesh.region[static_cast<std::size_t>(cell)];
   };
   FreeLabels free{above_all(mesh.region, labels)};
-  for (const auto& face : meshes::surface_faces(mesh.cells, mesh.region)) {
+  for (const auto& face : mesh_files::surface_faces(mesh.cells, mesh.region)) {
     const auto known = label_of.extract(sorted(face.nodes));
     mesh.faces.push_back(face.nodes);
     mesh.surface.push_back(known ? known.mapped() : free.at(region(face.cell), region(face.other)));
@@ -156,27 +156,30 @@ void make_names_safe(OwnMesh& own) {
 
 }  // namespace
 
-bool is_own_mesh(const std::string& path) { return meshes::is_mesh_name(path) && !std::filesystem::is_directory(path); }
+bool is_own_mesh(const std::string& path) {
+  return mesh_files::is_mesh_name(path) && !std::filesystem::is_directory(path);
+}
 
 OwnMesh read_own_mesh(const std::string& path, const std::string& region, const std::string& unit) {
-  const auto data = meshes::read_any_mesh(path);
-  const auto labels = meshes::find_labels(data, region, path);
-  const double scale = unit.empty() ? meshes::usual_unit_mm(path) : 1 / exporters::unit_scale(unit);
+  const auto data = mesh_files::read_any_mesh(path);
+  const auto labels = mesh_files::find_labels(data, region, path);
+  const double scale = unit.empty() ? mesh_files::usual_unit_mm(path) : 1 / exporters::unit_scale(unit);
   OwnMesh own;
   own.name = std::filesystem::path(path).stem().string();
   own.remarks = data.remarks;
   TetMesh& mesh = own.mesh;
   mesh.nodes_mm = data.points;
   for (auto& node : mesh.nodes_mm) node *= scale;
-  mesh.cells = improve::oriented_cells(data.points, data.tets);
-  mesh.region = labels.empty() ? std::vector<std::int32_t>(mesh.cells.size(), 1) : meshes::cell_labels(data, labels);
+  mesh.cells = tetmesh::oriented_cells(data.points, data.tets);
+  mesh.region =
+      labels.empty() ? std::vector<std::int32_t>(mesh.cells.size(), 1) : mesh_files::cell_labels(data, labels);
   mesh.names = data.names;
   for (const auto tag : mesh.region) mesh.names.try_emplace({3, tag}, fmt::format("region_{}", tag));
-  set_faces(data, meshes::face_labels(data, labels), own);
+  set_faces(data, mesh_files::face_labels(data, labels), own);
   make_names_safe(own);
   set_fibers(data, own);
   remark_on_arrays(data, labels, own);
   return own;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

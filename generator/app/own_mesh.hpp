@@ -6,7 +6,7 @@
 #include "generator/app/commands.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct OwnMesh {
   std::string name;  ///< of its file, without folder and ending
@@ -27,4 +27,4 @@ OwnMesh read_own_mesh(const std::string& path, const std::string& region, const 
 int validate_own_mesh(const ValidateCommand& command);
 int export_own_mesh(const ExportCommand& command);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

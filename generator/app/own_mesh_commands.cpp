@@ -9,13 +9,13 @@
 #include "exporters/cut.hpp"
 #include "exporters/registry.hpp"
 #include "generator/app/own_mesh.hpp"
-#include "generator/app/print_certificate.hpp"
+#include "generator/pipeline/print_certificate.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "validation/mesh_checks.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,7 +62,7 @@ int validate_own_mesh(const ValidateCommand& command) {
   if (command.json) {
     fmt::print("{}\n", exporters::certificate_json({report, {}, {}}));
   } else {
-    print_rows(report, command.all_rows);
+    pipeline::print_rows(report, command.all_rows);
     for (const auto& remark : own.remarks) fmt::print("{}\n", remark);
   }
   return all_passed(report) ? 0 : validation_failed;
@@ -89,4 +89,4 @@ int export_own_mesh(const ExportCommand& command) {
   return 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -7,6 +7,7 @@
 
 #include "datasets/phantom/phantom.hpp"
 #include "exporters/files.hpp"
+#include "generator/adapters/image_checks.hpp"
 #include "generator/adapters/itk_io.hpp"
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/app/commands.hpp"
@@ -15,7 +16,7 @@
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,7 +29,7 @@ adapters::UnstructuredData atlas_file(const TetMesh& atlas) {
   return data;
 }
 
-void write_truth(const fs::path& folder, const datasets::Phantom& phantom) {
+void write_truth(const fs::path& folder, const phantom::Phantom& phantom) {
   fs::create_directories(folder);
   adapters::write_volume((folder / "labels.nii.gz").string(), phantom.labels);
   adapters::write_volume((folder / "fiber_x.nrrd").string(), phantom.fibers.x);
@@ -37,7 +38,7 @@ void write_truth(const fs::path& folder, const datasets::Phantom& phantom) {
 }
 
 /// The other patient's torso and the carotid: images, truth and landmarks of their own.
-void write_companions(const fs::path& folder, const datasets::Phantom& phantom) {
+void write_companions(const fs::path& folder, const phantom::Phantom& phantom) {
   adapters::write_volume((folder / "torso_mr.nii.gz").string(), phantom.torso_mr);
   adapters::write_volume((folder / "truth" / "torso_mr_labels.nii.gz").string(), phantom.torso_mr_labels);
   write_text(folder / "torso_mr_landmarks.json", write_landmarks(phantom.torso_mr_landmarks));
@@ -46,7 +47,7 @@ void write_companions(const fs::path& folder, const datasets::Phantom& phantom) 
 }
 
 /// Seeds inside the CT's field of view, and the carotid's, which belongs to the angiogram.
-Landmarks visible_landmarks(const datasets::Phantom& phantom) {
+Landmarks visible_landmarks(const phantom::Phantom& phantom) {
   Landmarks landmarks = phantom.landmarks;
   std::erase_if(landmarks.seeds_mm, [&](const auto& seed) { return !contains_point(phantom.ct.grid, seed.second); });
   landmarks.seeds_mm["carotid"] = phantom.carotid_seed_mm;
@@ -89,18 +90,19 @@ void require_own(const fs::path& folder) {
 
 }  // namespace
 
-void write_phantom(const fs::path& folder, const datasets::PhantomSettings& settings) {
-  const datasets::Phantom phantom = datasets::make_phantom(settings);
+void write_phantom(const fs::path& folder, const phantom::PhantomSettings& settings) {
+  const phantom::Phantom phantom = phantom::make_phantom(settings);
   write_truth(folder / "truth", phantom);
   write_companions(folder, phantom);
   write_text(folder / "landmarks.json", write_landmarks(visible_landmarks(phantom)));
-  adapters::write_unstructured(folder / "atlas.vtk", atlas_file(datasets::make_standin_atlas()));
+  adapters::write_unstructured(folder / "atlas.vtk", atlas_file(phantom::make_standin_atlas()));
   write_text(folder / "recipe.toml", recipe_text(settings.variant));
   adapters::write_volume((folder / "ct.nii.gz").string(), phantom.ct);
 }
 
 int phantom_command(const PhantomCommand& command) {
-  datasets::PhantomSettings settings;
+  adapters::check_size(command.size, "--size", true);
+  phantom::PhantomSettings settings;
   settings.size = command.size;
   settings.spacing_mm = command.spacing_mm;
   settings.variant = command.variant;
@@ -118,4 +120,4 @@ int phantom_command(const PhantomCommand& command) {
   return 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -4,10 +4,10 @@
 
 #include "datasets/phantom/phantom.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 
 /// CT, atlas, landmarks, carotid, another patient's torso, the truth of all, and `recipe.toml`, which builds them.
 /// Files of these names are written over.
-void write_phantom(const std::filesystem::path& folder, const datasets::PhantomSettings& settings);
+void write_phantom(const std::filesystem::path& folder, const phantom::PhantomSettings& settings);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

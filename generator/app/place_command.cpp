@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "generator/adapters/itk_io.hpp"
-#include "generator/app/stage_files.hpp"
 #include "generator/labels/place_heart.hpp"
+#include "generator/pipeline/stage_files.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -36,7 +36,7 @@ Json pose_json(const labels::TorsoPose& pose, const std::vector<labels::CommonMa
 int place_command(const PlaceCommand& command) {
   adapters::check_image_output(command.output);
   if (!command.pose.empty()) check_output(command.pose);
-  const auto heart = read_region_labels(command.heart), torso = read_region_labels(command.torso);
+  const auto heart = pipeline::read_region_labels(command.heart), torso = pipeline::read_region_labels(command.torso);
   const auto marks = labels::common_marks(heart, landmarks_from(command.heart_landmarks), torso,
                                           landmarks_from(command.torso_landmarks));
   const auto pose = labels::fit_torso(marks, command.with_scale);
@@ -57,4 +57,4 @@ int place_command(const PlaceCommand& command) {
   return 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct PlaceCommand {
   std::string heart, torso;                      ///< label maps with our tags
@@ -14,4 +14,4 @@ struct PlaceCommand {
 
 int place_command(const PlaceCommand& command);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "generator/adapters/itk_io.hpp"
-#include "generator/app/stage_files.hpp"
-#include "generator/segment/diffusion.hpp"
+#include "generator/pde/diffusion.hpp"
+#include "generator/pipeline/stage_files.hpp"
 #include "model/recipe.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -26,7 +26,7 @@ std::int64_t voxels_in(const Mask& mask) {
   return static_cast<std::int64_t>(std::count(mask.voxels.begin(), mask.voxels.end(), std::uint8_t{1}));
 }
 
-Json steps_json(const std::vector<SegmentationStep>& steps, const segment::SegmentationTree& tree) {
+Json steps_json(const std::vector<SegmentationStep>& steps, const pde::SegmentationTree& tree) {
   Json list = Json::array();
   for (std::size_t n = 0; n < tree.size(); ++n)
     list.push_back({{"name", tree[n].name},
@@ -41,7 +41,7 @@ Json steps_json(const std::vector<SegmentationStep>& steps, const segment::Segme
   return list;
 }
 
-Json leaves_json(const LeafImage& leaves) {
+Json leaves_json(const pipeline::LeafImage& leaves) {
   std::array<std::int64_t, 256> count{};
   for (const auto value : leaves.leaf.voxels) ++count[value];
   Json list = Json::array();
@@ -72,13 +72,13 @@ int segment_command(const SegmentCommand& command, const parallel::Comm& comm) {
   adapters::check_image_output(command.output);
   const auto image = parallel::run_on_root(comm, [&] { return adapters::read_image(command.image); });
   const Timer denoising;
-  const auto smooth = segment::perona_malik(image, recipe.denoise, comm);
+  const auto smooth = pde::perona_malik(image, recipe.denoise, comm);
   const double denoise_seconds = denoising.seconds();
   const Timer splitting;
-  const auto tree = segment::segment(smooth, recipe.segmentation, comm);
+  const auto tree = pde::segment(smooth, recipe.segmentation, comm);
   const double tree_seconds = splitting.seconds();
   parallel::run_on_root(comm, [&] {
-    const LeafImage leaves = leaf_image(tree);
+    const pipeline::LeafImage leaves = pipeline::leaf_image(tree);
     adapters::write_volume(command.output, leaves.leaf);
     const Json result{{"labels", command.output},
                       {"steps", steps_json(recipe.segmentation, tree)},
@@ -93,4 +93,4 @@ int segment_command(const SegmentCommand& command, const parallel::Comm& comm) {
   return 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -4,7 +4,7 @@
 
 #include "generator/parallel/comm.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct SegmentCommand {
   std::string recipe, image, output;
@@ -15,4 +15,4 @@ struct SegmentCommand {
 /// same grid, one value per leaf, 0 in no step's domain) and prints the steps and leaves. @collective
 int segment_command(const SegmentCommand& command, const parallel::Comm& comm);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -14,13 +14,13 @@
 #include "exporters/files.hpp"
 #include "generator/app/commands.hpp"
 #include "generator/app/phantom_files.hpp"
-#include "generator/app/pipeline.hpp"
+#include "generator/pipeline/pipeline.hpp"
 #include "model/error.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 #include "model/unfinished.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,17 +106,17 @@ std::vector<std::string> differences(const Hashes& computed, const Hashes& expec
 
 exporters::Manifest build_small_case(const fs::path& folder, const parallel::Comm& comm) {
   parallel::run_on_root(comm, [&] {
-    datasets::PhantomSettings settings;
+    phantom::PhantomSettings settings;
     settings.size = {64, 64, 48};
     settings.spacing_mm = {5.4, 5.4, 6.3};
     write_phantom(folder, settings);
     const fs::path recipe = folder / "recipe.toml";
     write_text(recipe, exporters::read_text(recipe) + coarse_settings);
   });
-  BuildOptions options;
+  pipeline::BuildOptions options;
   options.output = folder / "bundle";
   options.progress = false;
-  build(read_recipe((folder / "recipe.toml").string()), options, comm);
+  pipeline::build(read_recipe((folder / "recipe.toml").string()), options, comm);
   return comm.is_root() ? exporters::read_manifest(options.output) : exporters::Manifest{};
 }
 
@@ -152,4 +152,4 @@ int selftest_command(const SelftestCommand& command, const parallel::Comm& comm)
   return comm.is_root() ? tell(manifest, command) : 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "exporters/tri_mesh.hpp"
-#include "generator/app/stage_files.hpp"
 #include "generator/mesh/slice_mesh.hpp"
+#include "generator/pipeline/stage_files.hpp"
 #include "model/error.hpp"
 #include "model/text.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -76,7 +76,7 @@ int slice_command(const SliceCommand& command) {
   if (extension != ".vtu" && extension != ".msh")
     throw UserError("unknown kind of mesh file", command.output, "give a name that ends in .vtu or .msh");
   check_output(command.output);
-  const auto labels = read_region_labels(input.string());
+  const auto labels = pipeline::read_region_labels(input.string());
   mesh::SliceSettings settings;
   settings.edge_mm = command.edge_mm.value_or(settings.edge_mm);
   settings.torso_edge_mm = command.torso_edge_mm.value_or(std::max(settings.torso_edge_mm, settings.edge_mm));
@@ -93,4 +93,4 @@ int slice_command(const SliceCommand& command) {
   return report.outside_bounds == 0 ? 0 : validation_failed;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct SliceCommand {
   std::string input, output;  ///< label map or folder of a bundle; mesh to write (.vtu or .msh)
@@ -17,4 +17,4 @@ struct SliceCommand {
 /// Exit code 3 when an angle is outside [28, 120] degrees. Not collective.
 int slice_command(const SliceCommand& command);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -1,12 +1,16 @@
 #include "generator/app/options.hpp"
+#include "generator/command_line/heart_options.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
+using command_line::add_command;
+using command_line::on_root;
+
 void add_segment(Program& p) {
-  auto* segment = subcommand(p, "segment", "Run a recipe's tree of two-phase splits on an image, 2D or 3D",
-                             "heartgen segment recipe.toml slice.nrrd leaves.nii.gz",
-                             [&p] { return segment_command(p.segment, p.comm); });
+  auto* segment = add_command(p.line, "segment", "Run a recipe's tree of two-phase splits on an image, 2D or 3D",
+                              "heartgen segment recipe.toml slice.nrrd leaves.nii.gz",
+                              [&p] { return segment_command(p.segment, p.line.comm); });
   segment->add_option("recipe", p.segment.recipe, "recipe (.toml): its [denoise] and [[segmentation]]")->required();
   segment->add_option("image", p.segment.image, "image of any grey values")->required();
   segment->add_option("output", p.segment.output, "label image to write, one value per leaf of the tree")->required();
@@ -14,26 +18,26 @@ void add_segment(Program& p) {
 }
 
 void add_tools(Program& p) {
-  auto* filter = subcommand(p, "filter", "Apply a PDE filter to an image",
-                            "heartgen filter perona_malik in.nii.gz out.nii.gz --iterations 10",
-                            [&p] { return filter_command(p.filter, p.comm); });
+  auto* filter = add_command(p.line, "filter", "Apply a PDE filter to an image",
+                             "heartgen filter perona_malik in.nii.gz out.nii.gz --iterations 10",
+                             [&p] { return filter_command(p.filter, p.line.comm); });
   filter->footer(filter_help() + "Example:\n  heartgen filter heat in.nii.gz out.nii.gz --iterations 10");
   filter->add_option("name", p.filter.name, "filter")->required();
   filter->add_option("input", p.filter.input, "image")->required();
   filter->add_option("output", p.filter.output, "image to write")->required();
-  add_machine_options(p, *filter);
+  add_machine_options(p.line, *filter);
   filter->fallthrough(false);
   filter->allow_extras();  // the filter's own parameters, checked against its table
   filter->callback([&p, filter] {
     p.filter.parameters = filter->remaining();
-    p.chosen = [&p] { return filter_command(p.filter, p.comm); };
+    p.line.chosen = [&p] { return filter_command(p.filter, p.line.comm); };
   });
 
   auto* mesh =
-      subcommand(p, "mesh", "Mesh a label map (.vtu with a .vtp of the labelled faces beside it, or .msh, .vtk)",
-                 "heartgen mesh labels.nii.gz heart.vtu --edge 1.5\n"
-                 "  heartgen mesh heartchambers.nii.gz heart.vtu --preset totalsegmentator_heart",
-                 on_root(p, [&p] { return mesh_command(p.mesh); }));
+      add_command(p.line, "mesh", "Mesh a label map (.vtu with a .vtp of the labelled faces beside it, or .msh, .vtk)",
+                  "heartgen mesh labels.nii.gz heart.vtu --edge 1.5\n"
+                  "  heartgen mesh heartchambers.nii.gz heart.vtu --preset totalsegmentator_heart",
+                  on_root(p.line, [&p] { return mesh_command(p.mesh); }));
   mesh->add_option("labels", p.mesh.labels, "label map, or a folder with one mask per structure")->required();
   mesh->add_option("output", p.mesh.output, "mesh to write (.vtu, .msh or .vtk)")->required();
   mesh->add_option("--preset", p.mesh.preset, "what its values and names mean (default heartgen): " + preset_names());
@@ -46,36 +50,35 @@ void add_tools(Program& p) {
                  "the walls of the heart alone, as five regions with rounded rims: half the time, no blood");
   mesh->add_flag("--json", p.mesh.json, "print the certificate as JSON");
 
-  auto* landmarks = subcommand(
-      p, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT (exit 3 for a doubtful heart)",
+  auto* landmarks = add_command(
+      p.line, "landmarks", "Find seeds, valve planes and the long axis in a contrast CT (exit 3 for a doubtful heart)",
       "heartgen landmarks patient.nii.gz --output landmarks.json",
-      on_root(p, [&p] { return landmarks_command(p.landmarks); }));
+      on_root(p.line, [&p] { return landmarks_command(p.landmarks); }));
   landmarks->add_option("ct", p.landmarks.ct, "CT volume or DICOM folder")->required();
   landmarks->add_option("-o,--output", p.landmarks.output, "landmarks file to write, for build --landmarks");
   landmarks->add_option("--picture", p.landmarks.picture, "picture of what was found to write (.png)");
   landmarks->add_flag("--json", p.landmarks.json, "print as JSON");
 
-  auto* phantom = subcommand(p, "phantom", "Write the analytic phantom: CT, truth, landmarks, atlas and recipe",
-                             "heartgen phantom demo/phantom --size 256,256,160 --spacing 1.4,1.4,1.9",
-                             on_root(p, [&p] { return phantom_command(p.phantom); }));
+  auto* phantom = add_command(p.line, "phantom", "Write the analytic phantom: CT, truth, landmarks, atlas and recipe",
+                              "heartgen phantom demo/phantom --size 256,256,160 --spacing 1.4,1.4,1.9",
+                              on_root(p.line, [&p] { return phantom_command(p.phantom); }));
   phantom->add_option("folder", p.phantom.folder, "folder to write into")->required();
-  phantom->add_option("--size", p.size, "voxels NX,NY,NZ (default 256,256,160)")->delimiter(',')->expected(3);
-  phantom->add_option("--spacing", p.spacing, "mm SX,SY,SZ (default 1.4,1.4,1.9)")->delimiter(',')->expected(3);
+  command_line::add_grid_options(*phantom, p.phantom.size, p.phantom.spacing_mm);
   phantom->add_option("--variant", p.phantom.variant, "another patient: pose, size, walls, contrast (default 0)");
   phantom->add_option("--noise", p.phantom.noise_hu, "standard deviation of the noise, HU (default 22)");
-  add_heart_options(p, *phantom, p.phantom.heart);
+  command_line::add_heart_options(*phantom, p.phantom.heart);
   phantom->add_flag("--json", p.phantom.json, "print as JSON");
 }
 
 void add_contours(Program& p) {
   auto& c = p.contours;
-  auto* sub = subcommand(p, "contours", "Snakes, active contours and subjective surfaces on an image, from a seed",
-                         "heartgen contours geodesic in.nii.gz inside.nii.gz --seed 12,-40,90 --balloon 1\n"
-                         "  heartgen contours broken-circle --output pictures",
-                         [&p] { return contours_command(p.contours, p.comm); });
-  sub->add_option("method", c.method, "snake, geometric, geodesic, subjective or broken-circle")->required();
-  sub->add_option("input", c.input, "image, 2D or 3D (snake: 2D)");
-  sub->add_option("mask", c.output, "image to write: 1 inside the contour");
+  auto* sub =
+      add_command(p.line, "contours", "Snakes, active contours and subjective surfaces on an image, from a seed",
+                  "heartgen contours geodesic in.nii.gz inside.nii.gz --seed 12,-40,90 --balloon 1",
+                  [&p] { return contours_command(p.contours, p.line.comm); });
+  sub->add_option("method", c.method, "snake, geometric, geodesic or subjective")->required();
+  sub->add_option("input", c.input, "image, 2D or 3D (snake: 2D)")->required();
+  sub->add_option("mask", c.output, "image to write: 1 inside the contour")->required();
   sub->add_option("--seed", c.seeds, "point inside the object, x,y,z in LPS mm; several in a row")->delimiter(',');
   sub->add_option("--radius", c.radius_mm, "of the start around the seeds, mm (default 5)");
   sub->add_option("--smoothing", c.smoothing_mm, "sigma of the Gaussian before the gradient, mm (default 1)");
@@ -89,17 +92,15 @@ void add_contours(Program& p) {
   sub->add_option("--iterations", c.iterations, "steps at most (default 5000, 20000 for snakes and subjective)")
       ->check(CLI::NonNegativeNumber);
   sub->add_option("--surface", c.surface, "also write the level set function");
-  sub->add_option("-o,--output", c.folder, "broken-circle: folder for the pictures");
-  sub->add_option("--noise", c.noise, "broken-circle: standard deviation of its noise, of 255 (default 0)");
   sub->add_flag("--json", c.json, "print as JSON");
 }
 
 void add_slice(Program& p) {
-  auto* sub = subcommand(p, "slice",
-                         "Mesh a transverse slice with four subdomains: myocardium, heart cavities, lungs, torso "
-                         "(exit 3 when an angle is outside [28, 120] degrees)",
-                         "heartgen slice bundle slice.vtu --z -40 --edge 0.5",
-                         on_root(p, [&p] { return slice_command(p.slice); }));
+  auto* sub = add_command(p.line, "slice",
+                          "Mesh a transverse slice with four subdomains: myocardium, heart cavities, lungs, torso "
+                          "(exit 3 when an angle is outside [28, 120] degrees)",
+                          "heartgen slice bundle slice.vtu --z -40 --edge 0.5",
+                          on_root(p.line, [&p] { return slice_command(p.slice); }));
   sub->add_option("labels", p.slice.input, "label map, or folder of a bundle")->required();
   sub->add_option("output", p.slice.output,
                   "mesh to write: .vtu (labelled edges in a .vtp beside it) or .msh (gmsh 2.2)")
@@ -115,10 +116,11 @@ void add_slice(Program& p) {
 
 void add_improve(Program& p) {
   auto& c = p.improve;
-  auto* sub = subcommand(p, "improve", "Raise the worst angles of any tetrahedral mesh; regions and surfaces stay",
-                         "heartgen improve mine.msh better.msh --goal-deg 20\n"
-                         "  heartgen improve heart.vtu better.vtu --slide 0.05",
-                         on_root(p, [&p] { return improve_command(p.improve); }));
+  auto* sub =
+      add_command(p.line, "improve", "Raise the worst angles of any tetrahedral mesh; regions and surfaces stay",
+                  "heartgen improve mine.msh better.msh --goal-deg 20\n"
+                  "  heartgen improve heart.vtu better.vtu --slide 0.05",
+                  on_root(p.line, [&p] { return improve_command(p.improve); }));
   sub->add_option("input", c.input, std::string("mesh: ") + mesh_kinds)->required();
   sub->add_option("output", c.output, "mesh to write: .vtu, .vtk or .msh")->required();
   sub->add_option("--goal-deg", c.settings.goal_deg, "dihedral angles to reach, 1 to 40 (default 20)");
@@ -133,9 +135,9 @@ void add_improve(Program& p) {
 }
 
 void add_inpaint(Program& p) {
-  auto* sub = subcommand(p, "inpaint", "Fill the gaps in an image of fibre axes by total variation",
-                         "heartgen inpaint fibers filled --labels labels.nii.gz",
-                         [&p] { return inpaint_command(p.inpaint, p.comm); });
+  auto* sub = add_command(p.line, "inpaint", "Fill the gaps in an image of fibre axes by total variation",
+                          "heartgen inpaint fibers filled --labels labels.nii.gz",
+                          [&p] { return inpaint_command(p.inpaint, p.line.comm); });
   sub->add_option("input", p.inpaint.input, "folder with fiber_x.nrrd, fiber_y.nrrd, fiber_z.nrrd; 0 0 0: a gap")
       ->required();
   sub->add_option("output", p.inpaint.output, "folder for the same, filled")->required();
@@ -144,8 +146,17 @@ void add_inpaint(Program& p) {
   sub->add_option("--regions", p.inpaint.regions, "what is filled (default lv_myocardium,rv_myocardium)")
       ->delimiter(',');
   sub->add_option("--iterations", p.inpaint.iterations, "Jacobi sweeps (default 200)");
-  sub->add_option("--threads", p.threads, "threads per process (default: all)");
+  sub->add_option("--threads", p.line.threads, "threads per process (default: all)");
   sub->add_flag("--json", p.inpaint.json, "print the counts as JSON");
+}
+
+void add_selftest(Program& p) {
+  auto* selftest = add_command(p.line, "selftest",
+                               "Build a small built-in heart and compare its content id with the expected one (exit 3: "
+                               "this machine computes other bits)",
+                               "heartgen selftest", [&p] { return selftest_command(p.selftest, p.line.comm); });
+  selftest->add_flag("--list", p.selftest.list, "print id and SHA-256 of every file instead");
+  selftest->add_flag("--json", p.selftest.json, "print as JSON");
 }
 
 }  // namespace
@@ -157,6 +168,7 @@ void add_tool_options(Program& p) {
   add_slice(p);
   add_improve(p);
   add_inpaint(p);
+  add_selftest(p);
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

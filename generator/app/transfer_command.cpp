@@ -11,11 +11,11 @@
 
 #include "exporters/bundle.hpp"
 #include "generator/fibers/transfer.hpp"
-#include "generator/meshes/any_mesh.hpp"
+#include "generator/mesh_files/any_mesh.hpp"
 #include "model/bounding_box.hpp"
 #include "model/error.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ constexpr std::array source_names{"without", "atlas", "inpainted", "rule"};
 
 TetMesh read_source(const std::string& path) {
   if (fs::is_directory(path)) return exporters::read_mesh(path, "myocardium");
-  auto data = meshes::read_any_mesh(path);
+  auto data = mesh_files::read_any_mesh(path);
   TetMesh mesh;
   mesh.nodes_mm = std::move(data.points);
   mesh.cells = std::move(data.tets);
@@ -52,7 +52,7 @@ TetMesh read_source(const std::string& path) {
 void check(const TransferCommand& command) {
   if (!(command.reach_mm > 0) || !std::isfinite(command.reach_mm))
     throw UserError("must be a positive number", "--reach", "give mm");
-  meshes::check_mesh_output(command.output);
+  mesh_files::check_mesh_output(command.output);
 }
 
 std::string size_text(const std::vector<Vec3>& points) {
@@ -118,15 +118,16 @@ void print(const TransferCommand& command, const UnstructuredData& mesh, const f
 int transfer_command(const TransferCommand& command) {
   check(command);
   const TetMesh source = read_source(command.source);
-  auto mesh = meshes::read_any_mesh(command.input);
+  auto mesh = mesh_files::read_any_mesh(command.input);
   refuse_wrong_unit(source, mesh.points, command);
   auto result = fibers::transfer_fibers(source, mesh.points, mesh.tets, command.reach_mm);
   refuse_far_nodes(result, mesh.points.size(), command);
   store(mesh, result);
-  const auto labels = meshes::find_labels(mesh, "", command.input);
-  for (auto& remark : meshes::write_any_mesh(command.output, mesh, labels)) mesh.remarks.push_back(std::move(remark));
+  const auto labels = mesh_files::find_labels(mesh, "", command.input);
+  for (auto& remark : mesh_files::write_any_mesh(command.output, mesh, labels))
+    mesh.remarks.push_back(std::move(remark));
   print(command, mesh, result);
   return 0;
 }
 
-}  // namespace heart::app
+}  // namespace heartgen::app

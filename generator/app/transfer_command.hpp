@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-namespace heart::app {
+namespace heartgen::app {
 
 struct TransferCommand {
   std::string source;  ///< folder of a bundle, or any mesh (any_mesh.hpp) with "fiber" and "sheet" on its points
@@ -16,4 +16,4 @@ struct TransferCommand {
 /// its other arrays stay, as float64 or int32. Throws UserError, before anything is written.
 int transfer_command(const TransferCommand& command);
 
-}  // namespace heart::app
+}  // namespace heartgen::app

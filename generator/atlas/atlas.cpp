@@ -8,16 +8,16 @@
 #include <filesystem>
 
 #include "generator/adapters/vtk_io.hpp"
-#include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/exnode.hpp"
 #include "generator/atlas/point_axes.hpp"
 #include "generator/atlas/voxel_atlas.hpp"
-#include "generator/meshes/msh_file.hpp"
+#include "generator/mesh_files/msh_file.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/bounding_box.hpp"
 #include "model/error.hpp"
 #include "model/fiber_names.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 namespace {
 
 constexpr const char* expected = "a fibre atlas is a mesh of tetrahedra with one vector per point or per cell";
@@ -138,7 +138,7 @@ FiberAtlas read_fiber_atlas(const std::string& path, const std::string& array) {
     throw UserError("has no arrays to choose from", path, "leave out --atlas-array and input.atlas_array");
   if (is_exnode_path(path)) return read_exnode_atlas(path);
   if (is_image_path(path)) return read_voxel_atlas(path);
-  auto data = path.ends_with(".msh") ? meshes::read_msh(path) : adapters::read_unstructured(path);
+  auto data = path.ends_with(".msh") ? mesh_files::read_msh(path) : adapters::read_unstructured(path);
   const auto chosen = chosen_array(data, array, path);
   const auto fibers = chosen.vectors ? *chosen.vectors : leading_axes(*chosen.tensors);
   auto atlas = make_fiber_atlas(path, std::move(data.points), std::move(data.tets), fibers);
@@ -147,4 +147,4 @@ FiberAtlas read_fiber_atlas(const std::string& path, const std::string& array) {
   return atlas;
 }
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

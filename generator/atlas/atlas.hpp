@@ -1,22 +1,11 @@
-// The fibre atlas: a tetrahedral mesh of the two ventricles with one fibre direction per point (thesis, chapter 9).
-// Only the axis of a direction means anything; its sign and length are ignored everywhere.
+// How a fibre atlas is made and read.
 #pragma once
 #include <string>
 #include <vector>
 
-#include "model/tet_mesh.hpp"
+#include "model/fiber_atlas.hpp"
 
-namespace heart::atlas {
-
-struct FiberAtlas {
-  std::vector<Vec3> points_mm;   ///< the file's own frame, any orientation, scaled to mm
-  std::vector<Cell> cells;       ///< positively oriented
-  std::vector<Vec3> fiber;       ///< per point, unit length; zero where the file has none
-  std::vector<Vec3> cell_fiber;  ///< per cell, of an atlas made of voxels, which know no more; else empty
-  std::string name;              ///< file name without folder, or what the maker called it
-  std::string array;             ///< which array of the file the fibres are: "point array \"f0\""; or empty
-  double unit_in_mm = 1;         ///< one unit of the file: 1, 10, 1000 or 0.001 mm
-};
+namespace heartgen::atlas {
 
 /// Atlas from tetrahedra with one vector per point, or per cell (`vectors` as long as `cells`): then each point gets
 /// what the cells around it lead to (point_axes.hpp). The unit is worked out from the size of the heart. Inverted cells
@@ -32,4 +21,4 @@ FiberAtlas make_fiber_atlas(std::string name, std::vector<Vec3> points, std::vec
 /// remedy; where it cannot choose it lists the arrays.
 FiberAtlas read_fiber_atlas(const std::string& path, const std::string& array = {});
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

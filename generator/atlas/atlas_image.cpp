@@ -1,22 +1,23 @@
+#include "generator/atlas/atlas_image.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "generator/atlas/axis_tensor.hpp"
-#include "generator/atlas/continue_above.hpp"
-#include "generator/atlas/distance_map.hpp"
-#include "generator/atlas/resample.hpp"
 #include "generator/atlas/standard_pose.hpp"
-#include "generator/atlas/ventricles.hpp"
+#include "generator/image/isotropic_distance.hpp"
+#include "generator/image/resample.hpp"
 #include "generator/parallel/threads.hpp"
+#include "generator/ventricles/base_extrapolation.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
+#include "model/mesh_queries/voxels_in_cell.hpp"
 #include "model/quantile.hpp"
-#include "model/voxels_in_cell.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 namespace {
 
 constexpr double margin_mm = 12;
@@ -52,7 +53,8 @@ void for_voxels_in_mesh(const Grid& grid, const FiberAtlas& atlas, Visit&& visit
   for (std::size_t c = 0; c < atlas.cells.size(); ++c) {
     std::array<Vec3, 4> p;
     for (std::size_t n = 0; n < 4; ++n) p[n] = atlas.points_mm[static_cast<std::size_t>(atlas.cells[c][n])];
-    for_voxels_in_cell(grid, p, [&](std::int64_t v, const std::array<double, 4>& weights) { visit(v, weights, c); });
+    mesh_queries::for_voxels_in_cell(
+        grid, p, [&](std::int64_t v, const std::array<double, 4>& weights) { visit(v, weights, c); });
   }
 }
 
@@ -262,7 +264,7 @@ std::array<Mask, 2> two_cavities(const Mask& wall, const std::string& name) {
 
 /// Median distance from the outer surface to cavity `mine`, over surface voxels nearer to it than to `other`.
 double wall_thickness(const Mask& wall, const Mask& outside, const Volume<float>& mine, const Volume<float>& other) {
-  const auto to_outside = distance_to(outside);
+  const auto to_outside = image::distance_to(outside);
   const auto reach = static_cast<float>(1.5 * wall.grid.spacing_mm.x);
   std::vector<float> values;
   for (std::size_t v = 0; v < wall.voxels.size(); ++v)
@@ -292,8 +294,8 @@ bool leads_to_left_cavity(const Volume<std::uint8_t>& parts, Vec3 index, const V
   while (direction != Vec3{}) {
     index += step * direction;
     const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
-    if (!parts.grid.contains(i, j, k) || is(parts(i, j, k), Part::outside)) return false;
-    if (is(parts(i, j, k), Part::lv_cavity)) return true;
+    if (!parts.grid.contains(i, j, k) || ventricles::is(parts(i, j, k), ventricles::Part::outside)) return false;
+    if (ventricles::is(parts(i, j, k), ventricles::Part::lv_cavity)) return true;
   }
   return false;
 }
@@ -302,22 +304,26 @@ bool leads_to_left_cavity(const Volume<std::uint8_t>& parts, Vec3 index, const V
 /// left wall is thick, and where the way on from the right cavity leads out of the heart; so the septum, also where it
 /// is thicker than the left free wall, and the inside of the junction stay with the left ventricle.
 void split_walls(Volume<std::uint8_t>& parts, double lv_thickness_mm) {
-  const auto lv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::lv_cavity); }));
-  const auto rv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::rv_cavity); }));
-  const auto out = distance_to(mask_where(parts, [](auto v) { return is(v, Part::outside); }));
-  const auto even_rv = smoothed(rv, 1);
+  const auto lv = image::distance_to(
+      image::mask_where(parts, [](auto v) { return ventricles::is(v, ventricles::Part::lv_cavity); }));
+  const auto rv = image::distance_to(
+      image::mask_where(parts, [](auto v) { return ventricles::is(v, ventricles::Part::rv_cavity); }));
+  const auto out =
+      image::distance_to(image::mask_where(parts, [](auto v) { return ventricles::is(v, ventricles::Part::outside); }));
+  const auto even_rv = image::smoothed(rv, 1);
   const auto& g = parts.grid;
   const auto whole = parts;
   parallel::parallel_for(0, g.size[2], [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t k = begin; k < end; ++k)
       for (std::int64_t j = 0; j < g.size[1]; ++j)
         for (std::int64_t i = 0; i < g.size[0]; ++i) {
-          if (!is_wall(parts(i, j, k))) continue;
+          if (!ventricles::is_wall(parts(i, j, k))) continue;
           const float d = lv(i, j, k);
           const bool outer = d > rv(i, j, k) && d > out(i, j, k) && d > lv_thickness_mm;
           const Vec3 at{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
-          const bool right = outer && !leads_to_left_cavity(whole, at, normalized(gradient_at(even_rv, i, j, k)));
-          parts(i, j, k) = tag(right ? Part::rv_wall : Part::lv_wall);
+          const bool right =
+              outer && !leads_to_left_cavity(whole, at, normalized(image::gradient_at(even_rv, i, j, k)));
+          parts(i, j, k) = ventricles::tag(right ? ventricles::Part::rv_wall : ventricles::Part::lv_wall);
         }
   });
 }
@@ -353,7 +359,7 @@ Volume<Vec3> voxel_fibers(const FiberAtlas& atlas, const Grid& grid) {
 
 }  // namespace
 
-AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm) {
+ventricles::AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm) {
   const FiberAtlas standing = upright(in_standard_pose(atlas));
   const Grid grid = grid_around(standing.points_mm, spacing_mm, margin_mm);
   const Mask wall = occupancy(standing, grid);
@@ -361,34 +367,36 @@ AtlasImage image_of_atlas(const FiberAtlas& atlas, double spacing_mm) {
   Mask outside(grid);
   for (std::size_t v = 0; v < outside.voxels.size(); ++v)
     outside.voxels[v] = !wall.voxels[v] && !cavities[0].voxels[v] && !cavities[1].voxels[v];
-  const auto to_first = distance_to(cavities[0]), to_second = distance_to(cavities[1]);
+  const auto to_first = image::distance_to(cavities[0]), to_second = image::distance_to(cavities[1]);
   const double first = wall_thickness(wall, outside, to_first, to_second);
   const double second = wall_thickness(wall, outside, to_second, to_first);
   const std::size_t lv = first >= second ? 0 : 1;
 
-  AtlasImage image;
+  ventricles::AtlasImage image;
   auto& parts = image.ventricles.parts;
   parts = Volume<std::uint8_t>(grid);
   for (std::size_t v = 0; v < parts.voxels.size(); ++v)
-    parts.voxels[v] = wall.voxels[v]               ? tag(Part::lv_wall)
-                      : cavities[lv].voxels[v]     ? tag(Part::lv_cavity)
-                      : cavities[1 - lv].voxels[v] ? tag(Part::rv_cavity)
-                                                   : tag(Part::outside);
+    parts.voxels[v] = wall.voxels[v]               ? ventricles::tag(ventricles::Part::lv_wall)
+                      : cavities[lv].voxels[v]     ? ventricles::tag(ventricles::Part::lv_cavity)
+                      : cavities[1 - lv].voxels[v] ? ventricles::tag(ventricles::Part::rv_cavity)
+                                                   : ventricles::tag(ventricles::Part::outside);
   const Vec3 down{0, 0, -1};
   const Vec3 base{0, 0, std::min(top_of(cavities[0]), top_of(cavities[1]))};
-  continue_above(parts, {base, down}, down);
+  ventricles::continue_above(parts, {base, down}, down);
   split_walls(parts, std::max(first, second));
-  image.ventricles.frame = heart_frame(parts, base, down);
+  image.ventricles.frame = ventricles::heart_frame(parts, base, down);
   image.fiber = voxel_fibers(standing, grid);
-  const auto to_lv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::lv_wall); }));
-  const auto to_rv = distance_to(mask_where(parts, [](auto v) { return is(v, Part::rv_wall); }));
+  const auto to_lv =
+      image::distance_to(image::mask_where(parts, [](auto v) { return ventricles::is(v, ventricles::Part::lv_wall); }));
+  const auto to_rv =
+      image::distance_to(image::mask_where(parts, [](auto v) { return ventricles::is(v, ventricles::Part::rv_wall); }));
   const double reach_mm = mixing_reach_mm(standing);
   image.mixed = Mask(grid);
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
     image.mixed.voxels[v] = std::max(to_lv.voxels[v], to_rv.voxels[v]) < reach_mm;
-    if (voxel_center(grid, static_cast<std::int64_t>(v)).z > base.z) image.fiber.voxels[v] = {};
+    if (image::voxel_center(grid, static_cast<std::int64_t>(v)).z > base.z) image.fiber.voxels[v] = {};
   }
   return image;
 }
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

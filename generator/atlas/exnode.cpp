@@ -7,10 +7,10 @@
 #include <map>
 #include <vector>
 
-#include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/exnode_geometry.hpp"
+#include "model/axis_tensor.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 namespace {
 
 namespace fs = std::filesystem;
@@ -109,4 +109,4 @@ FiberAtlas read_exnode_atlas(const std::string& path) {
   return atlas;
 }
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

@@ -6,7 +6,7 @@
 
 #include "generator/atlas/atlas.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 
 /// Whether a path ends in .exnode or .exelem, perhaps with .gz behind.
 bool is_exnode_path(const std::string& path);
@@ -17,4 +17,4 @@ bool is_exnode_path(const std::string& path);
 /// Throws UserError: files missing, cut short, or of another kind, naming file and line.
 FiberAtlas read_exnode_atlas(const std::string& path);
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

@@ -9,7 +9,7 @@
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::atlas::exnode {
+namespace heartgen::atlas::exnode {
 namespace {
 
 [[noreturn]] void fail_element(const std::string& path, const std::string& what) {
@@ -145,4 +145,4 @@ Vec3 Evaluator::fiber(const Vec3& xi) const {
   return fiber_of(place(xi), evaluate(*angle[0], turn[0], xi).value, evaluate(*angle[1], turn[1], xi).value);
 }
 
-}  // namespace heart::atlas::exnode
+}  // namespace heartgen::atlas::exnode

@@ -7,7 +7,7 @@
 #include "generator/atlas/exnode_text.hpp"
 #include "model/vec.hpp"
 
-namespace heart::atlas::exnode {
+namespace heartgen::atlas::exnode {
 
 /// What each corner contributes: its values times scale factors, in the order value, d/ds of the first Hermite axis, of
 /// the second, of both, and so on.
@@ -35,4 +35,4 @@ struct Evaluator {
   Vec3 fiber(const Vec3& xi) const;
 };
 
-}  // namespace heart::atlas::exnode
+}  // namespace heartgen::atlas::exnode

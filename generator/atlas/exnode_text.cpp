@@ -12,7 +12,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 
-namespace heart::atlas::exnode {
+namespace heartgen::atlas::exnode {
 namespace {
 
 struct Lines {
@@ -253,4 +253,4 @@ ElementFile read_elements(const std::string& path) {
   return file;
 }
 
-}  // namespace heart::atlas::exnode
+}  // namespace heartgen::atlas::exnode

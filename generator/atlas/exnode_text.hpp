@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace heart::atlas::exnode {
+namespace heartgen::atlas::exnode {
 
 constexpr std::size_t corners = 8;
 
@@ -53,4 +53,4 @@ struct ElementFile {
 /// The three-dimensional elements. Throws UserError as read_nodes does.
 ElementFile read_elements(const std::string& path);
 
-}  // namespace heart::atlas::exnode
+}  // namespace heartgen::atlas::exnode

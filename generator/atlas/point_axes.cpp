@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "generator/atlas/axis_tensor.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 namespace {
 
 /// The cells of every point, one list after the other.
@@ -84,4 +84,4 @@ std::vector<Vec3> point_axes(const std::vector<Vec3>& points, const std::vector<
   return axes;
 }
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

@@ -4,7 +4,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 
 /// Unit axis per point from one per cell (any length, zero where there is none), such that the mean of a cell's four
 /// points, which is the axis at its middle, is the given one: the mean of the cells around a point on a wall is the
@@ -17,4 +17,4 @@ std::vector<Vec3> point_axes(const std::vector<Vec3>& points, const std::vector<
 std::vector<Vec3> mean_point_axes(std::size_t points, const std::vector<Cell>& cells,
                                   const std::vector<Vec3>& cell_axes);
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

@@ -2,11 +2,9 @@
 // Not collective.
 #pragma once
 #include "generator/adapters/ceres_pose.hpp"
-#include "generator/atlas/ventricles.hpp"
+#include "generator/ventricles/ventricles.hpp"
 
-namespace heart::atlas {
-
-using adapters::AffineMap;
+namespace heartgen::atlas {
 
 struct Pose {
   AffineMap atlas_from_patient;  ///< position in the atlas's frame (mm) of a position in the patient's (mm)
@@ -16,7 +14,7 @@ struct Pose {
 
 /// The map that takes long axis to long axis, RV side to RV side and volume to volume. A proper rotation and a scale:
 /// it cannot mirror.
-AffineMap pose_from_frames(const Ventricles& patient, const Ventricles& atlas);
+AffineMap pose_from_frames(const ventricles::Ventricles& patient, const ventricles::Ventricles& atlas);
 
 struct CommonParts {
   Volume<std::uint8_t> patient, atlas;  ///< each on its own grid
@@ -24,9 +22,10 @@ struct CommonParts {
 
 /// Both hearts as far up as both are known. With its base, each ends at its own base plane. A patient whose base is cut
 /// off has none that says anything about the atlas's: then both end at the cut and at the atlas's base plane.
-CommonParts common_parts(const Ventricles& patient, const Ventricles& atlas, const AffineMap& atlas_from_patient);
+CommonParts common_parts(const ventricles::Ventricles& patient, const ventricles::Ventricles& atlas,
+                         const AffineMap& atlas_from_patient);
 
 /// Throws UserError when the hearts do not overlap afterwards (rms above 5 mm).
-Pose fit_atlas_pose(const Ventricles& patient, const Ventricles& atlas);
+Pose fit_atlas_pose(const ventricles::Ventricles& patient, const ventricles::Ventricles& atlas);
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

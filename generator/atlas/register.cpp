@@ -6,11 +6,11 @@
 #include <limits>
 
 #include "generator/adapters/itk_registration.hpp"
-#include "generator/atlas/distance_map.hpp"
-#include "generator/atlas/resample.hpp"
+#include "generator/image/isotropic_distance.hpp"
+#include "generator/image/resample.hpp"
 #include "generator/parallel/threads.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 namespace {
 
 // Values per Part (outside, lv_wall, rv_wall, lv_cavity, rv_cavity): neighbouring parts differ enough for every surface
@@ -126,15 +126,15 @@ double wall_overlap(const Registration& registration, const Volume<std::uint8_t>
   const auto part_at = [](const Volume<std::uint8_t>& parts, const Vec3& p) {
     const Vec3 index = index_from_lps(parts.grid, p);
     const auto i = std::llround(index.x), j = std::llround(index.y), k = std::llround(index.z);
-    return parts.grid.contains(i, j, k) ? parts(i, j, k) : tag(Part::outside);
+    return parts.grid.contains(i, j, k) ? parts(i, j, k) : ventricles::tag(ventricles::Part::outside);
   };
   double both = 0, sum = 0;
   for (std::int64_t k = 0; k < g.size[2]; ++k)
     for (std::int64_t j = 0; j < g.size[1]; ++j)
       for (std::int64_t i = 0; i < g.size[0]; ++i) {
         const Vec3 x = point_of(g, i, j, k);
-        const bool here = is_wall(part_at(patient, x));
-        const bool there = is_wall(part_at(atlas, atlas_position(registration, x)));
+        const bool here = ventricles::is_wall(part_at(patient, x));
+        const bool there = ventricles::is_wall(part_at(atlas, atlas_position(registration, x)));
         both += here && there;
         sum += static_cast<int>(here) + static_cast<int>(there);
       }
@@ -155,14 +155,16 @@ Mat3 nearest_rotation(Mat3 matrix) {
   return matrix;
 }
 
-Registration register_atlas(const Ventricles& patient, const Ventricles& atlas, const FiberSettings& settings) {
+Registration register_atlas(const ventricles::Ventricles& patient, const ventricles::Ventricles& atlas,
+                            const FiberSettings& settings) {
   Registration result;
   result.pose = fit_atlas_pose(patient, atlas);
   result.rotation = nearest_rotation(result.pose.atlas_from_patient.matrix);
   const auto [patient_cut, atlas_cut] = common_parts(patient, atlas, result.pose.atlas_from_patient);
   const Grid grid = registration_grid(patient.parts.grid, settings.grid_mm);
   const double blur = 0.5 * settings.grid_mm / patient.parts.grid.spacing_mm.x;
-  const auto fixed_fine = smoothed(part_image(patient_cut), blur), moving_fine = smoothed(part_image(atlas_cut), blur);
+  const auto fixed_fine = image::smoothed(part_image(patient_cut), blur),
+             moving_fine = image::smoothed(part_image(atlas_cut), blur);
   const auto fixed = filled(grid, [&](const Vec3& x) { return value_or_zero(fixed_fine, x); });
   const auto moving =
       filled(grid, [&](const Vec3& x) { return value_or_zero(moving_fine, result.pose.atlas_from_patient(x)); });
@@ -186,4 +188,4 @@ Mat3 atlas_jacobian(const Registration& registration, const Vec3& patient_mm) {
          plus_identity(warp_at(registration.displacement_mm, patient_mm).gradient);
 }
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

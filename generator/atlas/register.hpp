@@ -4,7 +4,7 @@
 #include "generator/atlas/pose.hpp"
 #include "model/recipe.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 
 struct Registration {
   Pose pose;
@@ -15,7 +15,8 @@ struct Registration {
 };
 
 /// `patient` and `atlas` on grids at least as fine as settings.grid_mm, the spacing of the registration grid.
-Registration register_atlas(const Ventricles& patient, const Ventricles& atlas, const FiberSettings& settings);
+Registration register_atlas(const ventricles::Ventricles& patient, const ventricles::Ventricles& atlas,
+                            const FiberSettings& settings);
 
 /// Position in the atlas's frame, mm.
 Vec3 atlas_position(const Registration& registration, const Vec3& patient_mm);
@@ -26,4 +27,4 @@ Mat3 atlas_jacobian(const Registration& registration, const Vec3& patient_mm);
 /// The rotation nearest to a matrix of positive determinant: what it does besides stretching.
 Mat3 nearest_rotation(Mat3 matrix);
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "generator/atlas/axis_tensor.hpp"
+#include "model/axis_tensor.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 namespace {
 
 constexpr double standard_radius_mm = 38;  // root mean square distance of an adult's ventricular muscle from its centre
@@ -77,4 +77,4 @@ FiberAtlas in_standard_pose(const FiberAtlas& atlas) {
   return result;
 }
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

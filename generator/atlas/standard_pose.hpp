@@ -3,11 +3,11 @@
 #pragma once
 #include "generator/atlas/atlas.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 
 /// The atlas turned, moved and scaled: its centre of mass at the origin, its axes of inertia along x, y and z, the
 /// farther ends towards +x and +y, and the size of a common adult heart. A proper rotation: mirror images stay mirror
 /// images. A shape with two equal moments of inertia is turned about the third as it happens to come out.
 FiberAtlas in_standard_pose(const FiberAtlas& atlas);
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

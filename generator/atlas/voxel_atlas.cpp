@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "generator/adapters/itk_io.hpp"
-#include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/point_axes.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/error.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 namespace {
 
 namespace fs = std::filesystem;
@@ -224,4 +224,4 @@ FiberAtlas read_voxel_atlas(const std::string& path) {
   return atlas_of_voxels(plain.filename().string(), muscle_of(files.mask, axis), axis);
 }
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

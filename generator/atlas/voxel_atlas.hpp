@@ -5,7 +5,7 @@
 #include "generator/atlas/atlas.hpp"
 #include "model/volume.hpp"
 
-namespace heart::atlas {
+namespace heartgen::atlas {
 
 /// Whether `path` names a folder, or a file of an image format.
 bool is_image_path(const std::string& path);
@@ -21,4 +21,4 @@ FiberAtlas read_voxel_atlas(const std::string& path);
 /// millimetre are taken together in blocks. `axis` on the grid of `muscle`. Throws UserError as make_fiber_atlas.
 FiberAtlas atlas_of_voxels(std::string name, const Mask& muscle, const Volume<Vec3>& axis);
 
-}  // namespace heart::atlas
+}  // namespace heartgen::atlas

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <numbers>
 
-#include "generator/lattice/feature.hpp"
+#include "generator/tetmesh/feature.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 namespace {
 
 constexpr double mean_per_middle = 2.0 / 3;
@@ -14,7 +14,7 @@ constexpr double most_shift = 0.1;  // of the edge
 
 /// The way from a point to the curve between two labels, to first order.
 Vec3 way_to_curve(const Materials& materials, LabelBits labels, const Vec3& point) {
-  return lattice::step_to(lattice::feature_at(materials, labels, point));
+  return tetmesh::step_to(tetmesh::feature_at(materials, labels, point));
 }
 
 Vec3 shift_of(const Triangles& mesh, const Materials& materials, std::int32_t node) {
@@ -46,7 +46,7 @@ void balance_curves(Triangles& mesh, const Materials& materials, double least_de
   std::vector<Vec3> shift(mesh.nodes_mm.size());
   for (std::size_t n = 0; n < shift.size(); ++n) {
     const LabelBits bits = mesh.touches[n];
-    if (mesh.pinned[n] == 0 && (bits & lattice::side_bits) == 0 && std::popcount(bits) == 2)
+    if (mesh.pinned[n] == 0 && (bits & tetmesh::side_bits) == 0 && std::popcount(bits) == 2)
       shift[n] = shift_of(mesh, materials, static_cast<std::int32_t>(n));
   }
   for (std::size_t n = 0; n < shift.size(); ++n) {
@@ -59,4 +59,4 @@ void balance_curves(Triangles& mesh, const Materials& materials, double least_de
   }
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "generator/lattice/feature.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
+#include "generator/tetmesh/feature.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 namespace {
 
 // All in wanted edges.
@@ -60,7 +60,7 @@ Exit find_exit(const Materials& materials, const Vec3& from, const Vec3& to, Lab
 std::optional<Vec3> place_on(const Setting& s, LabelBits bits, const Vec3& start, double reach = most_correction) {
   if (constraints(bits) > static_cast<int>(s.dimension)) return {};
   const double edge = s.edge_at(start);
-  const Vec3 place = lattice::project(*s.materials, bits, start, newton_steps);
+  const Vec3 place = tetmesh::project(*s.materials, bits, start, newton_steps);
   if (!(norm(place - start) <= reach * edge)) return {};
   const auto found = bits_around(*s.materials, s.dimension, place, probe_reach * edge);
   return (bits & ~found) == 0 ? std::optional(place) : std::nullopt;
@@ -181,13 +181,13 @@ void bind_to_curves(Nodes& nodes, const Simplices& simplices, const Setting& s, 
     }
 }
 
-constexpr LabelBits hull_bits = bit_of(0) | lattice::side_bits;
+constexpr LabelBits hull_bits = bit_of(0) | tetmesh::side_bits;
 
 /// The side of the box within `reach_mm`, or none.
 LabelBits near_side(const Materials& materials, const Vec3& p, double reach_mm) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (p[axis] - materials.box_min_mm[axis] < reach_mm) return bit_of(lattice::first_side + 2 * axis);
-    if (materials.box_max_mm[axis] - p[axis] < reach_mm) return bit_of(lattice::first_side + 2 * axis + 1);
+    if (p[axis] - materials.box_min_mm[axis] < reach_mm) return bit_of(tetmesh::first_side + 2 * axis);
+    if (materials.box_max_mm[axis] - p[axis] < reach_mm) return bit_of(tetmesh::first_side + 2 * axis + 1);
   }
   return 0;
 }
@@ -275,8 +275,8 @@ void rebind(Nodes& nodes, const Materials& materials, Dimension dimension) {
     if (nodes.is_free(n)) return bits_at(materials, place);
     const auto found = bits_around(materials, dimension, place, probe_reach * setting.edge_at(place));
     if ((bits & ~found) == 0) return bits;
-    const LabelBits sides = bits & lattice::side_bits;
-    LabelBits labels = found & ~lattice::side_bits;
+    const LabelBits sides = bits & tetmesh::side_bits;
+    LabelBits labels = found & ~tetmesh::side_bits;
     if (constraints(labels | sides) > static_cast<int>(dimension)) labels = lowest(labels);
     return labels | sides;
   };
@@ -312,4 +312,4 @@ void drop_outside(Nodes& nodes) {
   nodes.touches.resize(kept);
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -10,7 +10,7 @@
 #include "generator/distmesh/connect.hpp"
 #include "generator/distmesh/nodes.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 /// Binds nodes at crossed edges, nearest first, and at triangles without a common label. Returns how many edges inside
 /// the mesh still cross. At most one node of an edge moves per call, so call it again after a new triangulation.
@@ -33,4 +33,4 @@ void bind_hull(Nodes& nodes, const Simplices& inside, const Materials& materials
 /// Drops nodes that lie outside and are bound to nothing.
 void drop_outside(Nodes& nodes);
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

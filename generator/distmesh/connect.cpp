@@ -5,11 +5,11 @@
 #include <tuple>
 
 #include "generator/adapters/cgal_delaunay.hpp"
-#include "generator/lattice/stars.hpp"
 #include "generator/parallel/gather.hpp"
+#include "generator/tetmesh/stars.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 Simplices delaunay(const Nodes& nodes, Dimension dimension) {
   Simplices result;
@@ -23,7 +23,7 @@ Simplices delaunay(const Nodes& nodes, Dimension dimension) {
 }
 
 std::vector<Edge> edges_of(const Simplices& simplices, std::size_t node_count) {
-  const auto stars = lattice::stars_of(node_count, simplices.cells);
+  const auto stars = tetmesh::stars_of(node_count, simplices.cells);
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Edge>& edges) {
     std::vector<std::int32_t> others;
     for (auto node = static_cast<std::int32_t>(begin); node < end; ++node) {
@@ -63,7 +63,7 @@ void collect_faces(const Simplices& simplices, std::span<const std::int32_t> sta
 std::vector<Face> hull_faces(const Simplices& inside) {
   std::int32_t count = 0;
   for (const auto& cell : inside.cells) count = std::max(count, *std::max_element(cell.begin(), cell.end()) + 1);
-  const auto stars = lattice::stars_of(static_cast<std::size_t>(count), inside.cells);
+  const auto stars = tetmesh::stars_of(static_cast<std::size_t>(count), inside.cells);
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Face>& hull) {
     std::vector<Face> faces;
     for (auto node = static_cast<std::int32_t>(begin); node < end; ++node) {
@@ -83,12 +83,12 @@ Vec3 center_of(const Nodes& nodes, const Cell& cell, std::size_t corners) {
 }
 
 int label_of(const Nodes& nodes, const Cell& cell, std::size_t corners, const Materials& materials) {
-  LabelBits common = ~lattice::side_bits;
+  LabelBits common = ~tetmesh::side_bits;
   std::size_t on_hull = 0;
   for (std::size_t i = 0; i < corners; ++i) {
     const LabelBits bits = nodes.touches[static_cast<std::size_t>(cell[i])];
     common &= bits;
-    on_hull += (bits & (bit_of(0) | lattice::side_bits)) != 0 ? 1 : 0;
+    on_hull += (bits & (bit_of(0) | tetmesh::side_bits)) != 0 ? 1 : 0;
   }
   if (std::popcount(common) == 1 && on_hull + 1 < corners) return std::countr_zero(common);
   const auto bits = bits_at(materials, center_of(nodes, cell, corners));
@@ -154,4 +154,4 @@ void absorb_crumbs(const Simplices& simplices, std::vector<std::uint8_t>& label)
   }
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -7,7 +7,7 @@
 #include "generator/distmesh/nodes.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 using Edge = std::array<std::int32_t, 2>;  ///< ascending
 
@@ -35,4 +35,4 @@ int label_of(const Nodes& nodes, const Cell& cell, std::size_t corners, const Ma
 /// most faces with.
 void absorb_crumbs(const Simplices& simplices, std::vector<std::uint8_t>& label);
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

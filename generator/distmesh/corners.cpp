@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "generator/lattice/feature.hpp"
+#include "generator/tetmesh/feature.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 namespace {
 
 constexpr double apart = 0.5;         // between two meeting points, in edges
@@ -15,7 +15,7 @@ constexpr double probe_reach = 0.12;  // all labels must be found so near to a m
 void add_point(Nodes& nodes, const Materials& materials, LabelBits bits, const Vec3& start, double reach_mm) {
   constexpr int newton_steps = 8;
   if (constraints(bits) != 2) return;
-  const Vec3 place = lattice::project(materials, bits, start, newton_steps);
+  const Vec3 place = tetmesh::project(materials, bits, start, newton_steps);
   const double edge = materials.edge_mm(place);
   if (!(norm(place - start) <= reach_mm)) return;
   if ((bits & ~bits_around(materials, Dimension::two, place, probe_reach * edge)) != 0) return;
@@ -53,7 +53,7 @@ void add_on_sides(Nodes& nodes, const Materials& materials, const Samples& sampl
     const LabelBits labels = samples(i, j) | samples(i + di, j + dj);
     if (std::popcount(labels) != 2) return;
     const Vec3 middle = 0.5 * (samples.at(i, j) + samples.at(i + di, j + dj));
-    add_point(nodes, materials, labels | bit_of(lattice::first_side + side), middle, reach);
+    add_point(nodes, materials, labels | bit_of(tetmesh::first_side + side), middle, reach);
   };
   for (std::int64_t j = 0; j + 1 < samples.rows; ++j) {
     visit(0, j, 0, 1, 0);
@@ -76,7 +76,7 @@ Nodes box_corners(const Materials& materials, Dimension dimension) {
     for (int axis = 0; axis < axes; ++axis) {
       const bool is_upper = (corner >> axis & 1) != 0;
       p[axis] = is_upper ? materials.box_max_mm[axis] : materials.box_min_mm[axis];
-      sides |= bit_of(lattice::first_side + 2 * axis + (is_upper ? 1 : 0));
+      sides |= bit_of(tetmesh::first_side + 2 * axis + (is_upper ? 1 : 0));
     }
     const int label = materials.label_at(p);
     if (label == 0) continue;
@@ -111,11 +111,11 @@ void add_side_nodes(Nodes& nodes, const Materials& materials) {
                                         [&](const Vec3& other) { return norm(other - p) < apart * edge; });
       if (label != 0 && is_free) {
         nodes.at_mm.push_back(p);
-        nodes.touches.push_back(bit_of(label) | bit_of(lattice::first_side + side));
+        nodes.touches.push_back(bit_of(label) | bit_of(tetmesh::first_side + side));
       }
       p[along] += edge;
     }
   }
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

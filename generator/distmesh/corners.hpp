@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/distmesh/nodes.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 /// The corners of the box that lie in a label.
 Nodes box_corners(const Materials& materials, Dimension dimension);
@@ -15,4 +15,4 @@ void add_meeting_points(Nodes& nodes, const Materials& materials, double step_mm
 /// nothing would be bound there. None within half an edge of another. Two dimensions only.
 void add_side_nodes(Nodes& nodes, const Materials& materials);
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -7,12 +7,12 @@
 #include "generator/distmesh/bind.hpp"
 #include "generator/distmesh/corners.hpp"
 #include "generator/distmesh/start.hpp"
-#include "generator/lattice/feature.hpp"
 #include "generator/parallel/threads.hpp"
+#include "generator/tetmesh/feature.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 namespace {
 
 constexpr int control_every = 10;        // iterations between rounds of adding and removing nodes
@@ -98,9 +98,9 @@ std::vector<Vec3> forces_on(const Nodes& nodes, const Bars& bars, const Problem&
 // Where a node that wants to be at `target` may go: bound nodes along their interface; free ones not out of the mesh.
 Vec3 allowed_place(const Materials& materials, const Vec3& from, const Vec3& target, LabelBits touches, double edge) {
   if (std::popcount(touches) == 1) return is_outside(bits_at(materials, target)) ? from : target;
-  const Vec3 place = lattice::project(materials, touches, target, newton_steps);
+  const Vec3 place = tetmesh::project(materials, touches, target, newton_steps);
   const bool is_there = norm(place - target) <= most_correction * edge &&
-                        lattice::distance_to(lattice::feature_at(materials, touches, place)) <= most_offset * edge;
+                        tetmesh::distance_to(tetmesh::feature_at(materials, touches, place)) <= most_offset * edge;
   return is_there ? place : from;
 }
 
@@ -146,7 +146,7 @@ void add_middle(Nodes& nodes, const Edge& bar, const Problem& problem) {
     return (bits & ~bits_around(m, problem.dimension, p, 0.12 * edge)) == 0;
   };
   if (std::popcount(bits) > 1) {
-    const Vec3 place = lattice::project(m, bits, middle, newton_steps);
+    const Vec3 place = tetmesh::project(m, bits, middle, newton_steps);
     if (norm(place - middle) < most_correction * edge && is_interface(place))
       middle = place;
     else
@@ -246,9 +246,9 @@ void finish(Truss& truss, const Problem& problem) {
     truss.simplices = delaunay(nodes, problem.dimension);
     truss.crossing = resolve_crossings(nodes, truss.simplices, m, problem.dimension);
     drop_simplices_outside(nodes, truss.simplices, m);
-    const auto bound = std::ranges::count_if(nodes.touches, lattice::is_constrained);
+    const auto bound = std::ranges::count_if(nodes.touches, tetmesh::is_constrained);
     bind_hull(nodes, truss.simplices, m, problem.dimension);
-    if (truss.crossing == 0 && bound == std::ranges::count_if(nodes.touches, lattice::is_constrained)) break;
+    if (truss.crossing == 0 && bound == std::ranges::count_if(nodes.touches, tetmesh::is_constrained)) break;
     stalled = truss.crossing < fewest ? 0 : stalled + 1;
     fewest = std::min(fewest, truss.crossing);
     const auto bars = bars_of(nodes, truss.simplices, m);
@@ -305,4 +305,4 @@ Truss relax(const Materials& materials, Dimension dimension, double least_edge_m
   return relax(std::move(nodes), materials, dimension, settings);
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -18,7 +18,7 @@
 #include "generator/distmesh/connect.hpp"
 #include "generator/distmesh/nodes.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 struct TrussSettings {
   int iterations = 120;
@@ -50,4 +50,4 @@ Truss relax(Nodes start, const Materials& materials, Dimension dimension, const 
 /// label.
 Truss relax(const Materials& materials, Dimension dimension, double least_edge_mm, const TrussSettings& settings);
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

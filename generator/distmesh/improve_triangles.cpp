@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "generator/lattice/feature.hpp"
+#include "generator/tetmesh/feature.hpp"
 #include "model/mathematics.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 namespace {
 
 // When each operation joins in: cheap and harmless ones first.
@@ -86,24 +86,24 @@ struct Improver {
   bool may_move(std::int32_t n) const {
     if (mesh.pinned[static_cast<std::size_t>(n)] != 0) return false;
     const LabelBits bits = mesh.bits(n);
-    return constraints(bits) < 2 || (tolerance > 0 && std::popcount(bits & lattice::side_bits) < 2);
+    return constraints(bits) < 2 || (tolerance > 0 && std::popcount(bits & tetmesh::side_bits) < 2);
   }
   // The place for a node that wants to be at `target`; false where it may not go there.
   bool settle(std::int32_t n, Vec3& target) const {
     const LabelBits bits = mesh.bits(n);
-    if (!lattice::is_constrained(bits)) return true;
+    if (!tetmesh::is_constrained(bits)) return true;
     const double edge = edge_at(n);
     if (tolerance == 0) {
       const Vec3 wanted = target;
-      target = lattice::project(materials, bits, wanted, 3);
+      target = tetmesh::project(materials, bits, wanted, 3);
       return norm(target - wanted) < 0.5 * edge;
     }
     for (int side = 0; side < 4; ++side)
-      if ((bits & bit_of(lattice::first_side + side)) != 0)
+      if ((bits & bit_of(tetmesh::first_side + side)) != 0)
         target[side / 2] = (side % 2 == 0 ? materials.box_min_mm : materials.box_max_mm)[side / 2];
     const double allowed =
-        std::max(tolerance * edge, lattice::distance_to(lattice::feature_at(materials, bits, mesh.at(n))));
-    return lattice::distance_to(lattice::feature_at(materials, bits, target)) <= allowed;
+        std::max(tolerance * edge, tetmesh::distance_to(tetmesh::feature_at(materials, bits, mesh.at(n))));
+    return tetmesh::distance_to(tetmesh::feature_at(materials, bits, target)) <= allowed;
   }
   // Pattern search for the place with the best worst triangle.
   void smooth(std::int32_t n, double enough) {
@@ -193,7 +193,7 @@ struct Improver {
 
   bool follows_curve(std::int32_t a, std::int32_t b, LabelBits bits) const {
     const Vec3 middle = 0.5 * (mesh.at(a) + mesh.at(b));
-    return lattice::distance_to(lattice::feature_at(materials, bits, middle)) <=
+    return tetmesh::distance_to(tetmesh::feature_at(materials, bits, middle)) <=
            most_deviation * norm(mesh.at(a) - mesh.at(b));
   }
   bool may_shrink(std::int32_t gone, std::int32_t kept) const {
@@ -205,7 +205,7 @@ struct Improver {
     std::set_intersection(near.begin(), near.end(), far.begin(), far.end(), std::back_inserter(common));
     const auto [t, u] = triangles_at(mesh, gone, kept);
     if (common.size() != (u >= 0 ? 2U : 1U)) return false;
-    if (!lattice::is_constrained(bits)) return true;
+    if (!tetmesh::is_constrained(bits)) return true;
     int interfaces = 0;
     for (const auto n : near) {
       if (!is_interface(mesh, gone, n)) continue;
@@ -243,9 +243,9 @@ struct Improver {
     LabelBits bits = bit_of(mesh.label_of(t));
     Vec3 middle = 0.5 * (mesh.at(a) + mesh.at(b));
     if (is_interface(mesh, a, b)) {
-      const LabelBits sides = mesh.bits(a) & mesh.bits(b) & lattice::side_bits;
+      const LabelBits sides = mesh.bits(a) & mesh.bits(b) & tetmesh::side_bits;
       bits |= u >= 0 ? bit_of(mesh.label_of(u)) : sides != 0 ? sides : bit_of(0);
-      const Vec3 on_curve = lattice::project(materials, bits, middle, 4);
+      const Vec3 on_curve = tetmesh::project(materials, bits, middle, 4);
       if (norm(on_curve - middle) < 0.3 * norm(mesh.at(a) - mesh.at(b))) middle = on_curve;
     }
     const auto n = new_node(middle, bits);
@@ -287,7 +287,7 @@ struct Improver {
       const auto both = triangles_at(mesh, a, b);
       const auto other = both[0] == t ? both[1] : both[0];
       // A side of the box is no material: nothing can be cut off there.
-      if (other < 0 && (mesh.bits(a) & mesh.bits(b) & lattice::side_bits) != 0) continue;
+      if (other < 0 && (mesh.bits(a) & mesh.bits(b) & tetmesh::side_bits) != 0) continue;
       const double length = norm(mesh.at(b) - mesh.at(a));
       if (length <= longest) continue;
       longest = length;
@@ -326,9 +326,9 @@ struct Improver {
       return false;
     const auto both = triangles_at(mesh, a, b);
     const auto other = both[0] == t ? both[1] : both[0];
-    const LabelBits sides = mesh.bits(a) & mesh.bits(b) & lattice::side_bits;
+    const LabelBits sides = mesh.bits(a) & mesh.bits(b) & tetmesh::side_bits;
     const LabelBits beyond = other >= 0 ? bit_of(mesh.label_of(other)) : sides != 0 ? sides : bit_of(0);
-    const Vec3 place_of_r = lattice::project(materials, bit_of(label) | beyond, mesh.at(r), 4);
+    const Vec3 place_of_r = tetmesh::project(materials, bit_of(label) | beyond, mesh.at(r), 4);
     if (norm(place_of_r - mesh.at(r)) > tip * edge_at(r)) return false;
     return attempt(ring({r, a, b}), [&](const auto&) {
       remove(t);
@@ -409,4 +409,4 @@ std::int64_t improve_triangles(Triangles& mesh, const Materials& materials, cons
   return static_cast<std::int64_t>(bad.size());
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -5,7 +5,7 @@
 
 #include "generator/distmesh/triangles.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 struct TriangleGoal {
   double angle_deg = 31;    ///< that every angle should have; then none is above 180 minus twice this
@@ -18,4 +18,4 @@ struct TriangleGoal {
 /// to the interfaces, corners and sides of the box that they touch. Returns how many triangles stay below the goal.
 std::int64_t improve_triangles(Triangles& mesh, const Materials& materials, const TriangleGoal& goal);
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -6,7 +6,7 @@
 
 #include "model/mathematics.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 namespace {
 
 // The corners, edge and face middles of a cube, at distance 1.
@@ -47,7 +47,7 @@ LabelBits bits_at(const Materials& materials, const Vec3& point) {
       side = 2 * axis + 1;
     }
   }
-  return bit_of(side >= 0 ? lattice::first_side + side : materials.label_at(point));
+  return bit_of(side >= 0 ? tetmesh::first_side + side : materials.label_at(point));
 }
 
 LabelBits bits_around(const Materials& materials, Dimension dimension, const Vec3& point, double reach_mm) {
@@ -58,4 +58,4 @@ LabelBits bits_around(const Materials& materials, Dimension dimension, const Vec
   return found;
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

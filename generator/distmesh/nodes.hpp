@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "generator/lattice/materials.hpp"
+#include "generator/tetmesh/materials.hpp"
 #include "model/vec.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
-using lattice::bit_of;
-using lattice::LabelBits;
-using lattice::Materials;
+using tetmesh::bit_of;
+using tetmesh::LabelBits;
+using tetmesh::Materials;
 
 enum class Dimension : std::uint8_t { two = 2, three = 3 };
 
@@ -35,12 +35,12 @@ LabelBits bits_at(const Materials& materials, const Vec3& point);
 LabelBits bits_around(const Materials& materials, Dimension dimension, const Vec3& point, double reach_mm);
 
 /// Whether nothing of the mesh lies there: outside all labels, or beyond the box.
-inline bool is_outside(LabelBits bits) { return (bits & ~(bit_of(0) | lattice::side_bits)) == 0; }
+inline bool is_outside(LabelBits bits) { return (bits & ~(bit_of(0) | tetmesh::side_bits)) == 0; }
 
 /// How many equations hold a node that touches these: as many as the dimension fix it.
 inline int constraints(LabelBits bits) {
-  const int labels = std::popcount(bits & ~lattice::side_bits), sides = std::popcount(bits & lattice::side_bits);
+  const int labels = std::popcount(bits & ~tetmesh::side_bits), sides = std::popcount(bits & tetmesh::side_bits);
   return std::max(labels - 1, 0) + sides;
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

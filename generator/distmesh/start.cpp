@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <numbers>
 
-#include "generator/lattice/octree.hpp"
+#include "generator/stuffing/octree.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 namespace {
 
 /// A number in [0, 1) that depends on four integers only.
@@ -31,7 +31,7 @@ struct Lattice {
   Dimension dimension;
 
   Lattice(const Materials& m, Dimension d, double width) : dimension(d) {
-    const double cube = width / lattice::mean_edge_per_cell;
+    const double cube = width / stuffing::mean_edge_per_cell;
     step = d == Dimension::two ? Vec3{width, width * std::sqrt(3.0) / 2, 1} : Vec3{cube, cube, cube / 2};
     for (int axis = 0; axis < static_cast<int>(d); ++axis) {
       const double length = m.box_max_mm[axis] - m.box_min_mm[axis];
@@ -102,4 +102,4 @@ void add_start_nodes(Nodes& nodes, const Materials& materials, Dimension dimensi
   drop_near_first(nodes, materials, first);
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/distmesh/nodes.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 /// Adds nodes inside the labels, and outside within about half an edge of them (those are to be bound), but none within
 /// half an edge of the nodes that are there. Lattices of widths that are powers of sqrt(2) of the least edge share the
@@ -11,4 +11,4 @@ namespace heart::distmesh {
 /// with one lattice of the least width. `least_edge_mm` is the least of materials.edge_mm.
 void add_start_nodes(Nodes& nodes, const Materials& materials, Dimension dimension, double least_edge_mm);
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -2,12 +2,12 @@
 // (thesis 8.2), the lattice mesher's repair takes them away.
 #pragma once
 #include "generator/distmesh/distmesh.hpp"
-#include "generator/lattice/complex.hpp"
+#include "generator/tetmesh/complex.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
-/// Cells with label 0 lie outside: `lattice::derive_touches` and `compress` finish the mesh once the labels are
+/// Cells with label 0 lie outside: `tetmesh::derive_touches` and `compress` finish the mesh once the labels are
 /// settled.
-lattice::Complex complex_of(const Truss& truss, const Materials& materials);
+tetmesh::Complex complex_of(const Truss& truss, const Materials& materials);
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -4,7 +4,7 @@
 
 #include "model/sort_unique.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 double quality(const Triangles& mesh, std::int32_t triangle) {
   const auto& t = mesh.triangle(triangle);
@@ -47,7 +47,7 @@ bool is_interface(const Triangles& mesh, std::int32_t a, std::int32_t b) {
 
 void update_touches(Triangles& mesh, std::int32_t node) {
   auto& bits = mesh.touches[static_cast<std::size_t>(node)];
-  const LabelBits sides = bits & lattice::side_bits;
+  const LabelBits sides = bits & tetmesh::side_bits;
   bits = sides;
   for (const auto t : mesh.star[static_cast<std::size_t>(node)]) {
     bits |= bit_of(mesh.label_of(t));
@@ -104,4 +104,4 @@ void compress(Triangles& mesh) {
   mesh = std::move(result);
 }
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

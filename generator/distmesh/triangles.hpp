@@ -11,7 +11,7 @@
 #include "generator/distmesh/nodes.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::distmesh {
+namespace heartgen::distmesh {
 
 struct Triangles {
   std::vector<Vec3> nodes_mm;
@@ -61,4 +61,4 @@ std::vector<std::int32_t> neighbours(const Triangles& mesh, std::int32_t node);
 /// Drops free slots and nodes without triangles; triangles ascending, smallest node first.
 void compress(Triangles& mesh);
 
-}  // namespace heart::distmesh
+}  // namespace heartgen::distmesh

@@ -6,18 +6,18 @@
 #include <utility>
 
 #include "model/mathematics.hpp"
-#include "model/mesh_edges.hpp"
+#include "model/mesh_queries/mesh_edges.hpp"
 #include "model/quantile.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
 constexpr std::size_t most_samples = 20000;
 
-double helix_of(const atlas::AxisTensor& local) {
-  atlas::WallPoint own;  // the tensors' frame
+double helix_of(const AxisTensor& local) {
+  ventricles::WallPoint own;  // the tensors' frame
   own.normal = {0, 0, 1}, own.longitudinal = {0, 1, 0}, own.circumferential = {1, 0, 0};
-  return helix_angle_deg(own, atlas::leading_axis(local));
+  return helix_angle_deg(own, leading_axis(local));
 }
 
 void add(DepthSamples& samples, double depth, double helix_deg) {
@@ -93,9 +93,9 @@ double quantile_or_0(std::vector<double> values, double share) { return values.e
 double p99(std::vector<double> values) { return quantile_or_0(std::move(values), 0.99); }
 
 /// Along the edges of the atlas's own cells.
-void set_edge_turns(const atlas::FiberAtlas& atlas, AtlasFigures& figures) {
+void set_edge_turns(const FiberAtlas& atlas, AtlasFigures& figures) {
   std::vector<double> jumps, turns, lengths;
-  for (const auto& [first, second] : edges_of_cells(atlas.cells, atlas.points_mm.size())) {
+  for (const auto& [first, second] : mesh_queries::edges_of_cells(atlas.cells, atlas.points_mm.size())) {
     const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
     const double length = norm(atlas.points_mm[a] - atlas.points_mm[b]);
     if (atlas.fiber[a] == Vec3{} || atlas.fiber[b] == Vec3{} || length <= 0) continue;
@@ -110,7 +110,7 @@ void set_edge_turns(const atlas::FiberAtlas& atlas, AtlasFigures& figures) {
 
 double carried_turn_per_wall(const CarriedAxes& c) {
   std::vector<double> turns;
-  for (const auto& [first, second] : edges_of_cells(c.mesh.cells, c.mesh.nodes_mm.size())) {
+  for (const auto& [first, second] : mesh_queries::edges_of_cells(c.mesh.cells, c.mesh.nodes_mm.size())) {
     const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
     for (const bool left : {true, false}) {
       if (!counts(c, left, a) || !counts(c, left, b)) continue;
@@ -146,7 +146,7 @@ void set_voxel_turns(const Hearts& hearts, AtlasFigures& figures) {
   const Grid& g = fiber.grid;
   std::vector<double> per_wall, junction;
   const auto add_pair = [&](std::size_t a, std::size_t b) {
-    if (!atlas::is_wall(parts.voxels[a]) || !atlas::is_wall(parts.voxels[b])) return;
+    if (!ventricles::is_wall(parts.voxels[a]) || !ventricles::is_wall(parts.voxels[b])) return;
     if (fiber.voxels[a] == Vec3{} || fiber.voxels[b] == Vec3{}) return;
     const double turn = angle_deg(fiber.voxels[a], fiber.voxels[b]) / g.spacing_mm.x;
     if (parts.voxels[a] != parts.voxels[b]) return junction.push_back(turn);
@@ -167,7 +167,7 @@ void set_voxel_turns(const Hearts& hearts, AtlasFigures& figures) {
 
 }  // namespace
 
-AtlasFigures atlas_figures(const Hearts& hearts, const atlas::FiberAtlas& atlas, const CarriedAxes& carried) {
+AtlasFigures atlas_figures(const Hearts& hearts, const FiberAtlas& atlas, const CarriedAxes& carried) {
   AtlasFigures figures;
   figures.atlas = {of_atlas(hearts.by_place.lv, hearts.atlas_depth.lv),
                    of_atlas(hearts.by_place.rv, hearts.atlas_depth.rv)};
@@ -178,4 +178,4 @@ AtlasFigures atlas_figures(const Hearts& hearts, const atlas::FiberAtlas& atlas,
   return figures;
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

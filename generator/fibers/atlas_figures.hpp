@@ -3,11 +3,12 @@
 #pragma once
 #include <vector>
 
-#include "generator/fibers/hearts.hpp"
+#include "generator/fibers/registered_pair.hpp"
 #include "model/depth_samples.hpp"
+#include "model/fiber_atlas.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 struct AtlasFigures {
   /// At most 20,000 places each, of equal volumes. `there`: the atlas's sample nearest, by place and depth, to each of
@@ -34,6 +35,6 @@ struct CarriedAxes {
   const std::vector<std::uint8_t>& use;
 };
 
-AtlasFigures atlas_figures(const Hearts& hearts, const atlas::FiberAtlas& atlas, const CarriedAxes& carried);
+AtlasFigures atlas_figures(const Hearts& hearts, const FiberAtlas& atlas, const CarriedAxes& carried);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -9,7 +9,7 @@
 #include "generator/fibers/harmonic.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
 constexpr double patch_share = 0.015;  // of the wall's nodes, where a vein or an appendage's tip has to be guessed
@@ -198,4 +198,4 @@ RuleField atrial_rule(const TetMesh& mesh, bool left, const RuleSettings& settin
   return field;
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -5,7 +5,7 @@
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 /// Axes of all nodes of la_wall's cells (`left`) or of ra_wall's. Veins are found as holes where the endocardium meets
 /// the outer surface, told apart by their side (left and right, above and below). Where none is open, the part of the
@@ -13,4 +13,4 @@ namespace heart::fibers {
 /// ring of the tricuspid valve is halved towards the left atrium. Empty where the mesh has no such wall.
 RuleField atrial_rule(const TetMesh& mesh, bool left, const RuleSettings& settings);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

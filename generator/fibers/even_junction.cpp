@@ -4,10 +4,8 @@
 
 #include "generator/parallel/threads.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
-
-using atlas::AxisTensor;
 
 AxisTensor relaxed_axis(const NeighborGraph& graph, const std::vector<AxisTensor>& axes, std::size_t e) {
   AxisTensor sum;
@@ -15,7 +13,7 @@ AxisTensor relaxed_axis(const NeighborGraph& graph, const std::vector<AxisTensor
     const double h = graph.distance_mm[n];
     sum += (1 / (h * h)) * axes[static_cast<std::size_t>(graph.neighbor[n])];
   }
-  return trace(sum) > 0 ? atlas::axis_tensor(atlas::leading_axis(sum)) : axes[e];
+  return trace(sum) > 0 ? axis_tensor(leading_axis(sum)) : axes[e];
 }
 
 /// Length of the element's edges; 0 where it has none.
@@ -63,4 +61,4 @@ void turn_evenly(const NeighborGraph& graph, const std::vector<double>& from_jun
   relax_axes(graph, blended, static_cast<int>(std::ceil(sweeps_per_square * across * across)), axes);
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

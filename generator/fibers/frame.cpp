@@ -2,7 +2,7 @@
 
 #include "generator/parallel/threads.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
 Vec3 any_orthogonal(const Vec3& unit) {
@@ -51,15 +51,15 @@ FiberField cell_frames(const TetMesh& mesh, const FiberField& node) {
   resize(field, mesh.cells.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(mesh.cells.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
-      atlas::AxisTensor fiber, sheet;
+      AxisTensor fiber, sheet;
       for (const auto n : mesh.cells[c]) {
-        fiber += atlas::axis_tensor(node.fiber[static_cast<std::size_t>(n)]);
-        sheet += atlas::axis_tensor(node.sheet[static_cast<std::size_t>(n)]);
+        fiber += axis_tensor(node.fiber[static_cast<std::size_t>(n)]);
+        sheet += axis_tensor(node.sheet[static_cast<std::size_t>(n)]);
       }
-      set(field, c, material_axes(atlas::leading_axis(fiber), atlas::leading_axis(sheet)));
+      set(field, c, material_axes(leading_axis(fiber), leading_axis(sheet)));
     }
   });
   return field;
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -2,10 +2,10 @@
 #pragma once
 #include <vector>
 
-#include "generator/atlas/axis_tensor.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 struct MaterialAxes {
   Vec3 fiber, sheet, sheet_normal;
@@ -22,4 +22,4 @@ FiberField node_frames(const std::vector<Vec3>& fiber, const std::vector<Vec3>& 
 /// orthogonal again.
 FiberField cell_frames(const TetMesh& mesh, const FiberField& node);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -9,7 +9,7 @@
 #include "generator/parallel/tasks.hpp"
 #include "model/quantile.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
 Rows rows_where(const std::vector<std::uint8_t>& chosen) {
@@ -26,7 +26,7 @@ Wall make_wall(const TetMesh& mesh, const std::vector<Region>& regions) {
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     if (std::any_of(regions.begin(), regions.end(), [&](Region region) { return mesh.region[c] == tag(region); }))
       cells.push_back(static_cast<std::int32_t>(c));
-  Wall wall{&mesh, make_stiffness(mesh, cells), std::vector<std::int32_t>(mesh.nodes_mm.size(), -1)};
+  Wall wall{&mesh, mesh_queries::make_stiffness(mesh, cells), std::vector<std::int32_t>(mesh.nodes_mm.size(), -1)};
   for (std::size_t r = 0; r < wall.matrix.nodes.size(); ++r)
     wall.row[static_cast<std::size_t>(wall.matrix.nodes[r])] = static_cast<std::int32_t>(r);
   return wall;
@@ -99,15 +99,15 @@ std::vector<Harmonic> harmonics(const Wall& wall, const std::vector<std::vector<
   tasks.reserve(held.size());
   for (std::size_t p = 0; p < held.size(); ++p)
     tasks.emplace_back([&, p] {
-      FixedValues fixed(wall.matrix.nodes.size(), std::numeric_limits<double>::quiet_NaN());
+      mesh_queries::FixedValues fixed(wall.matrix.nodes.size(), std::numeric_limits<double>::quiet_NaN());
       for (const Held& part : held[p])
         for (const auto r : part.rows)
           if (auto& value = fixed[static_cast<std::size_t>(r)]; std::isnan(value)) value = part.value;
-      result[p].value = solve_laplace(wall.matrix, fixed);
-      result[p].slope = node_gradients(*wall.mesh, wall.matrix, result[p].value);
+      result[p].value = mesh_queries::solve_laplace(wall.matrix, fixed);
+      result[p].slope = mesh_queries::node_gradients(*wall.mesh, wall.matrix, result[p].value);
     });
   parallel::run_tasks(tasks);
   return result;
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "model/labels.hpp"
-#include "model/mesh_laplace.hpp"
+#include "model/mesh_queries/mesh_laplace.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 /// The cells of some regions of a mesh, with their matrix.
 struct Wall {
   const TetMesh* mesh;
-  Stiffness matrix;
+  mesh_queries::Stiffness matrix;
   std::vector<std::int32_t> row;  ///< per node of the mesh: its row, or -1
 
   const Vec3& at(std::int32_t r) const {
@@ -56,4 +56,4 @@ struct Harmonic {
 /// One function per list; a row that several entries hold keeps the value of the first.
 std::vector<Harmonic> harmonics(const Wall& wall, const std::vector<std::vector<Held>>& held);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

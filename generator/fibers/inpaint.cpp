@@ -4,13 +4,11 @@
 
 #include "generator/fibers/inpaint_kernels.hpp"
 #include "generator/parallel/threads.hpp"
-#include "model/mesh_edges.hpp"
+#include "model/mesh_queries/mesh_edges.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
-
-using atlas::AxisTensor;
 
 /// The neighbours of an element, for the kernels.
 auto around(const NeighborGraph& graph, std::size_t e) {
@@ -46,7 +44,7 @@ std::vector<std::size_t> fill_in_layers(const NeighborGraph& graph, std::vector<
 }  // namespace
 
 NeighborGraph edge_graph(const TetMesh& mesh, const std::vector<std::uint8_t>& use) {
-  const auto edges = edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use);
+  const auto edges = mesh_queries::edges_of_cells(mesh.cells, mesh.nodes_mm.size(), use);
   NeighborGraph graph;
   graph.start.assign(mesh.nodes_mm.size() + 1, 0);
   for (const auto& [a, b] : edges)
@@ -58,7 +56,7 @@ NeighborGraph edge_graph(const TetMesh& mesh, const std::vector<std::uint8_t>& u
   auto next = graph.start;
   for (const auto& [a, b] : edges) {
     const double length = norm(mesh.nodes_mm[static_cast<std::size_t>(a)] - mesh.nodes_mm[static_cast<std::size_t>(b)]);
-    for (const auto& [from, to] : {NodePair{a, b}, NodePair{b, a}}) {
+    for (const auto& [from, to] : {mesh_queries::NodePair{a, b}, mesh_queries::NodePair{b, a}}) {
       const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(from)]++);
       graph.neighbor[at] = to;
       graph.distance_mm[at] = static_cast<float>(std::max(length, 1e-6));
@@ -94,10 +92,10 @@ std::int64_t inpaint_axes(const NeighborGraph& graph, int iterations, std::vecto
     for (std::size_t n = 0; n < filled.size(); ++n) axes[filled[n]] = next[n];
   }
   for (const auto e : filled) {
-    axes[e] = atlas::axis_tensor(atlas::leading_axis(axes[e]));
+    axes[e] = axis_tensor(leading_axis(axes[e]));
     missing[e] = 0;
   }
   return static_cast<std::int64_t>(filled.size());
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "generator/atlas/axis_tensor.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 /// Neighbours of element e: neighbor[start[e]] to neighbor[start[e + 1] - 1], ascending; distance_mm alike.
 struct NeighborGraph {
@@ -24,7 +24,7 @@ NeighborGraph edge_graph(const TetMesh& mesh, const std::vector<std::uint8_t>& u
 /// Replaces the tensors of elements with missing[e] != 0 by dyads of unit axes; the others are not touched. Elements
 /// that no known one can be reached from stay missing. Returns the number of those filled. Threaded Jacobi sweeps:
 /// the same bits for any number of threads.
-std::int64_t inpaint_axes(const NeighborGraph& graph, int iterations, std::vector<atlas::AxisTensor>& axes,
+std::int64_t inpaint_axes(const NeighborGraph& graph, int iterations, std::vector<AxisTensor>& axes,
                           std::vector<std::uint8_t>& missing);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

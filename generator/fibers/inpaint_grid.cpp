@@ -6,10 +6,9 @@
 #include "generator/fibers/inpaint_kernels.hpp"
 #include "generator/parallel/threads.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
-using atlas::AxisTensor;
 using parallel::Slab;
 
 constexpr std::uint8_t filled = 3;  // a kind of our own: missing before, has an axis now
@@ -129,7 +128,7 @@ std::int64_t inpaint_axes(Slab<AxisTensor>& axes, Slab<std::uint8_t>& kinds, int
   const auto inside = places(kinds, [&](const Place& p) { return kinds.values[p.at] == filled; });
   sweep(neighbors, inside, iterations, axes, kinds, comm);
   for_each_place(inside, [&](std::size_t, const Place& p) {
-    axes.values[p.at] = atlas::axis_tensor(atlas::leading_axis(axes.values[p.at]));
+    axes.values[p.at] = axis_tensor(leading_axis(axes.values[p.at]));
     kinds.values[p.at] = static_cast<std::uint8_t>(AxisKind::known);
   });
   exchange_halo(axes, comm);
@@ -143,7 +142,7 @@ Volume<Vec3> inpaint_axes(const Volume<Vec3>& fiber, const Mask& wall, int itera
   auto axes = parallel::make_slab_like<AxisTensor>(vectors, 1);
   for (std::size_t v = 0; v < axes.values.size(); ++v) {
     const bool known = norm(vectors.values[v]) > 0.5;
-    if (known) axes.values[v] = atlas::axis_tensor(normalized(vectors.values[v]));
+    if (known) axes.values[v] = axis_tensor(normalized(vectors.values[v]));
     kinds.values[v] = static_cast<std::uint8_t>(!kinds.values[v] ? AxisKind::outside
                                                 : known          ? AxisKind::known
                                                                  : AxisKind::missing);
@@ -153,8 +152,8 @@ Volume<Vec3> inpaint_axes(const Volume<Vec3>& fiber, const Mask& wall, int itera
   const auto from = axes.owned();
   const auto before = vectors.owned();
   for (std::size_t v = 0; v < from.size(); ++v)
-    result.owned()[v] = norm(before[v]) > 0.5 ? before[v] : atlas::leading_axis(from[v]);
+    result.owned()[v] = norm(before[v]) > 0.5 ? before[v] : leading_axis(from[v]);
   return parallel::gather(result, comm);
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -4,11 +4,9 @@
 #pragma once
 #include <cmath>
 
-#include "generator/atlas/axis_tensor.hpp"
+#include "model/axis_tensor.hpp"
 
-namespace heart::fibers::inpainting {
-
-using atlas::AxisTensor;
+namespace heartgen::fibers::inpainting {
 
 /// The squared Frobenius norm counts off-diagonal components twice, as the matrices do.
 inline double squared_difference(const AxisTensor& a, const AxisTensor& b) {
@@ -59,4 +57,4 @@ AxisTensor relaxed(const Around& around, const Axes& axes, const Slope& slope, c
   return total > 0 ? (1 / total) * sum : own;
 }
 
-}  // namespace heart::fibers::inpainting
+}  // namespace heartgen::fibers::inpainting

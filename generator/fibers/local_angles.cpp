@@ -11,10 +11,9 @@
 #include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
-using atlas::AxisTensor;
 constexpr double position_scale_mm = 2.5, depth_scale = 0.06, height_scale = 0.05, angle_scale = 0.15;
 constexpr double bend_scale = 0.06;
 /// As far as a wall of 25 mm radius, which is a right ventricle's, turns over 1.8 mm: less than places count in, so
@@ -233,7 +232,7 @@ WallFeature place_feature(const Vec3& atlas_mm, double depth, double bend, const
 
 Vec3 place_of(const WallFeature& place) { return position_scale_mm * Vec3{place[0], place[1], place[2]}; }
 
-WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
+WallFeature coordinate_feature(const ventricles::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
                                double depth, double bend, const Vec3& normal) {
   const double height = dot(point_mm - frame.base_point_mm, frame.long_axis) / frame.length_mm;
   const Vec3 from_center = point_mm - center_mm;
@@ -328,9 +327,9 @@ AxisTensor between_fits(const std::vector<const AngleFit*>& fits, const WallFeat
   return result;
 }
 
-AxisTensor in_patient_frame(const AxisTensor& local, const atlas::WallPoint& at) {
-  const Vec3 axis = atlas::leading_axis(local);
-  return atlas::axis_tensor(normalized(axis.x * at.circumferential + axis.y * at.longitudinal + axis.z * at.normal));
+AxisTensor in_patient_frame(const AxisTensor& local, const ventricles::WallPoint& at) {
+  const Vec3 axis = leading_axis(local);
+  return axis_tensor(normalized(axis.x * at.circumferential + axis.y * at.longitudinal + axis.z * at.normal));
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -5,10 +5,10 @@
 #include <array>
 #include <vector>
 
-#include "generator/atlas/axis_tensor.hpp"
-#include "generator/atlas/coordinates.hpp"
+#include "generator/ventricles/coordinates.hpp"
+#include "model/axis_tensor.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 /// Where a point lies in a wall, scaled so that a distance of 1 means "as near as a neighbour should be": three numbers
 /// of its place, then its depth, then how much the wall bends there, then three of where it faces. Where a wall bends
@@ -25,13 +25,13 @@ Vec3 place_of(const WallFeature& place);  ///< atlas_mm of a place_feature
 /// By coordinates: height along the long axis as a share of the heart's length (0.05), the angle around `center_mm`
 /// (0.15 rad), depth (0.06), bend (0.06) and `normal` in the heart's frame (0.07); comparable between hearts without a
 /// registration.
-WallFeature coordinate_feature(const atlas::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
+WallFeature coordinate_feature(const ventricles::HeartFrame& frame, const Vec3& center_mm, const Vec3& point_mm,
                                double depth, double bend, const Vec3& normal);
 
 /// The known axes of one ventricle of the atlas.
 struct AngleSamples {
   std::vector<WallFeature> feature;
-  std::vector<atlas::AxisTensor> tensor;  ///< dyad of the axis in (circumferential, longitudinal, normal)
+  std::vector<AxisTensor> tensor;  ///< dyad of the axis in (circumferential, longitudinal, normal)
 };
 
 /// How much a wall's shape counts in what is looked up, as a share of how much it does between hearts of one shape.
@@ -58,7 +58,7 @@ std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std:
 /// The samples around a feature as a linear function of it.
 struct AngleFit {
   WallFeature feature{};
-  atlas::AxisTensor tensor;                     ///< there, in (circumferential, longitudinal, normal)
+  AxisTensor tensor;                            ///< there, in (circumferential, longitudinal, normal)
   std::array<std::array<float, 6>, 7> slope{};  ///< of the tensor's entries by place (3), depth and normal (3)
 };
 
@@ -69,9 +69,9 @@ std::vector<AngleFit> fit_local_angles(const AngleSamples& samples, const std::v
 
 /// The tensor at a feature amid those of some fits, of which there must be one at least: of third order where it is
 /// their mean, as at a cell's centroid between its nodes.
-atlas::AxisTensor between_fits(const std::vector<const AngleFit*>& fits, const WallFeature& feature);
+AxisTensor between_fits(const std::vector<const AngleFit*>& fits, const WallFeature& feature);
 
 /// Dyad in the patient's frame of the axis that leads `local`, a tensor in the wall's own directions.
-atlas::AxisTensor in_patient_frame(const atlas::AxisTensor& local, const atlas::WallPoint& at);
+AxisTensor in_patient_frame(const AxisTensor& local, const ventricles::WallPoint& at);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -3,13 +3,13 @@
 #pragma once
 #include <vector>
 
-#include "generator/atlas/axis_tensor.hpp"
 #include "generator/atlas/register.hpp"
+#include "model/axis_tensor.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 /// One dyad per point; the zero tensor where the warped atlas has no wall: these are to be inpainted.
-std::vector<atlas::AxisTensor> push_forward(const atlas::AtlasImage& image, const atlas::Registration& registration,
-                                            const std::vector<Vec3>& patient_mm);
+std::vector<AxisTensor> push_forward(const ventricles::AtlasImage& image, const atlas::Registration& registration,
+                                     const std::vector<Vec3>& patient_mm);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

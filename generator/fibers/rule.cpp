@@ -4,17 +4,16 @@
 #include <cmath>
 #include <numbers>
 
-#include "generator/atlas/axis_tensor.hpp"
-#include "generator/atlas/point_tree.hpp"
+#include "generator/adapters/point_tree.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
-using atlas::AxisTensor;
-using atlas::PointCloud;
+using adapters::PointCloud;
 
 Vec3 orthogonal_part(const Vec3& v, const Vec3& unit) { return v - dot(v, unit) * unit; }
 
@@ -35,7 +34,7 @@ PointCloud papillary_cells(const TetMesh& mesh) {
   return cloud;
 }
 
-RuleAxis local_muscle_axis(const PointCloud& cloud, const atlas::PointTree& tree, const Vec3& at,
+RuleAxis local_muscle_axis(const PointCloud& cloud, const adapters::PointTree& tree, const Vec3& at,
                            const Vec3& long_axis) {
   constexpr double reach_mm = 6, long_axis_share = 0.05;
   std::vector<std::pair<std::size_t, double>> near;
@@ -44,10 +43,10 @@ RuleAxis local_muscle_axis(const PointCloud& cloud, const atlas::PointTree& tree
   Vec3 middle;
   for (const auto& [cell, distance] : near) middle += cloud.points[cell];
   if (!near.empty()) middle = middle / static_cast<double>(near.size());
-  AxisTensor spread = (long_axis_share * reach_mm * reach_mm) * atlas::axis_tensor(long_axis);
+  AxisTensor spread = (long_axis_share * reach_mm * reach_mm) * axis_tensor(long_axis);
   for (const auto& [cell, distance] : near)
-    spread += (1 / static_cast<double>(near.size())) * atlas::axis_tensor(cloud.points[cell] - middle);
-  const Vec3 fiber = atlas::leading_axis(spread);
+    spread += (1 / static_cast<double>(near.size())) * axis_tensor(cloud.points[cell] - middle);
+  const Vec3 fiber = leading_axis(spread);
   return {fiber, unit_or(orthogonal_part(at - middle, fiber), any_orthogonal(fiber))};
 }
 
@@ -72,7 +71,7 @@ std::vector<RuleAxis> papillary_axes(const TetMesh& mesh, const std::vector<std:
   const PointCloud cloud = papillary_cells(mesh);
   std::vector<RuleAxis> result(nodes.size());
   if (nodes.empty()) return result;
-  const atlas::PointTree tree(3, cloud, atlas::tree_leaves);
+  const adapters::PointTree tree(3, cloud, adapters::tree_leaves);
   parallel::parallel_for(0, static_cast<std::int64_t>(nodes.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
       result[n] = local_muscle_axis(cloud, tree, mesh.nodes_mm[static_cast<std::size_t>(nodes[n])], long_axis);
@@ -80,4 +79,4 @@ std::vector<RuleAxis> papillary_axes(const TetMesh& mesh, const std::vector<std:
   return result;
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -5,7 +5,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 struct RuleAxis {
   Vec3 fiber;       ///< unit
@@ -29,4 +29,4 @@ std::vector<float> differences_deg(const std::vector<Vec3>& cell_axes, const Rul
 std::vector<RuleAxis> papillary_axes(const TetMesh& mesh, const std::vector<std::int32_t>& nodes,
                                      const Vec3& long_axis);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

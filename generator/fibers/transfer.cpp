@@ -10,9 +10,9 @@
 #include "generator/parallel/threads.hpp"
 #include "model/bounding_box.hpp"
 #include "model/error.hpp"
-#include "model/face_tree.hpp"
+#include "model/mesh_queries/face_tree.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
 struct Place {
@@ -28,7 +28,7 @@ std::array<Vec3, 4> corners_of(const TetMesh& mesh, const Cell& cell) {
 }
 
 /// A triangle with the same box as the cell: the tree looks at boxes only.
-Triangle box_of(const std::array<Vec3, 4>& corners) {
+mesh_queries::Triangle box_of(const std::array<Vec3, 4>& corners) {
   Vec3 low = corners[0], high = corners[0];
   for (const auto& p : corners)
     for (int axis = 0; axis < 3; ++axis) {
@@ -70,19 +70,19 @@ std::vector<OwnedFace> boundary(const TetMesh& mesh) {
 /// A mesh in which places are looked up.
 struct Lookup {
   const TetMesh* mesh;
-  FaceTree cells;    ///< boxes around cells, numbered like them
-  FaceTree surface;  ///< numbered like `outer`
+  mesh_queries::FaceTree cells;    ///< boxes around cells, numbered like them
+  mesh_queries::FaceTree surface;  ///< numbered like `outer`
   std::vector<OwnedFace> outer;
 
   explicit Lookup(const TetMesh& from) : mesh(&from), outer(boundary(from)) {
-    std::vector<Triangle> boxes;
+    std::vector<mesh_queries::Triangle> boxes;
     boxes.reserve(from.cells.size());
     for (const auto& cell : from.cells) boxes.push_back(box_of(corners_of(from, cell)));
-    cells = make_face_tree(std::move(boxes));
+    cells = mesh_queries::make_face_tree(std::move(boxes));
     std::vector<Face> faces;
     faces.reserve(outer.size());
     for (const auto& owned : outer) faces.push_back(owned.face);
-    surface = make_face_tree(from.nodes_mm, faces);
+    surface = mesh_queries::make_face_tree(from.nodes_mm, faces);
   }
 
   std::array<double, 4> weights(std::int32_t cell, const Vec3& point) const {
@@ -107,7 +107,7 @@ struct Lookup {
   Place find(const Vec3& point, std::vector<std::int32_t>& near) const {
     constexpr double rounding = 1e-10;
     near.clear();
-    faces_in_box(cells, point, point, near);
+    mesh_queries::faces_in_box(cells, point, point, near);
     std::int32_t best = -1;
     double depth = -rounding;
     for (const auto cell : near) {
@@ -116,20 +116,20 @@ struct Lookup {
       if (least > depth) best = cell, depth = least;
     }
     if (best >= 0) return place(best, point, 0);
-    const auto found = nearest_face(surface, point, std::numeric_limits<double>::max());
+    const auto found = mesh_queries::nearest_face(surface, point, std::numeric_limits<double>::max());
     return place(outer[static_cast<std::size_t>(found.face)].cell, found.point_mm, found.distance_mm);
   }
 };
 
 MaterialAxes axes_at(const TetMesh& from, const Place& place) {
-  atlas::AxisTensor fiber, sheet;
+  AxisTensor fiber, sheet;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto n = static_cast<std::size_t>(from.cells[static_cast<std::size_t>(place.cell)][i]);
-    fiber += place.weights[i] * atlas::axis_tensor(from.node_fibers.fiber[n]);
-    sheet += place.weights[i] * atlas::axis_tensor(from.node_fibers.sheet[n]);
+    fiber += place.weights[i] * axis_tensor(from.node_fibers.fiber[n]);
+    sheet += place.weights[i] * axis_tensor(from.node_fibers.sheet[n]);
   }
-  const Vec3 along = atlas::leading_axis(fiber);
-  return along == Vec3{} ? MaterialAxes{} : material_axes(along, atlas::leading_axis(sheet));
+  const Vec3 along = leading_axis(fiber);
+  return along == Vec3{} ? MaterialAxes{} : material_axes(along, leading_axis(sheet));
 }
 
 std::uint8_t source_at(const TetMesh& from, const Place& place) {
@@ -229,4 +229,4 @@ std::optional<double> scale_onto(const TetMesh& from, const std::vector<Vec3>& p
   return {};
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

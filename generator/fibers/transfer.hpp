@@ -6,7 +6,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 struct TransferredFibers {
   FiberField node, cell;
@@ -31,4 +31,4 @@ TransferredFibers transfer_fibers(const TetMesh& from, const std::vector<Vec3>& 
 /// is scaled to lies all over the heart's cavities and beyond. Empty: it may well be in mm.
 std::optional<double> scale_onto(const TetMesh& from, const std::vector<Vec3>& points, double reach_mm);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

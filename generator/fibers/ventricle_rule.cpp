@@ -6,16 +6,14 @@
 #include <limits>
 #include <numbers>
 
-#include "generator/atlas/axis_tensor.hpp"
 #include "generator/fibers/harmonic.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/mathematics.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
-
-using atlas::AxisTensor;
 
 /// Where functions are held.
 struct Borders {
@@ -56,7 +54,7 @@ void add_papillary_feet(const Wall& wall, Rows& lv_endo, Rows& rv_endo) {
 }
 
 /// Rows on faces of the epicardium that lie in the flat cut at the base.
-Rows rows_of_cut(const Wall& wall, const atlas::HeartFrame& frame) {
+Rows rows_of_cut(const Wall& wall, const ventricles::HeartFrame& frame) {
   constexpr double near_mm = 4, least_cosine = 0.8;
   const auto epicardium = *surface_from_name("epicardium");
   Rows rows;
@@ -78,7 +76,7 @@ Rows rows_of_cut(const Wall& wall, const atlas::HeartFrame& frame) {
 }
 
 /// The epicardium around the place of one ventricle that lies farthest from the base along the axis.
-Rows apex_rows(const Wall& wall, Region ventricle, const Rows& epicardium, const atlas::HeartFrame& frame) {
+Rows apex_rows(const Wall& wall, Region ventricle, const Rows& epicardium, const ventricles::HeartFrame& frame) {
   constexpr double radius_mm = 5;
   std::vector<std::uint8_t> own(wall.matrix.nodes.size());
   for (std::size_t c = 0; c < wall.matrix.cells.size(); ++c)
@@ -102,7 +100,7 @@ Rows without(const Rows& rows, const Rows& taken) {
   return rest;
 }
 
-Borders borders_of(const Wall& wall, const atlas::HeartFrame& frame) {
+Borders borders_of(const Wall& wall, const ventricles::HeartFrame& frame) {
   Borders b;
   b.lv_endo = rows_on(wall, {"lv_endocardium"});
   b.rv_endo = rows_on(wall, {"rv_endocardium"});
@@ -202,15 +200,15 @@ RuleAxis axes_at(const Local& at, const RuleSettings& s) {
     const Vec3& slope = left ? at.lv_slope : at.rv_slope;
     const SideAxes axes =
         turned(-slope, at.to_base, seen_from(left, helix, at.lv, at.rv), seen_from(left, sheet, at.lv, at.rv));
-    fibers += dot(slope, slope) * atlas::axis_tensor(axes.fiber);
-    sheets += dot(slope, slope) * atlas::axis_tensor(axes.sheet);
+    fibers += dot(slope, slope) * axis_tensor(axes.fiber);
+    sheets += dot(slope, slope) * axis_tensor(axes.sheet);
   }
-  return {atlas::leading_axis(fibers), atlas::leading_axis(sheets)};
+  return {leading_axis(fibers), leading_axis(sheets)};
 }
 
 }  // namespace
 
-RuleField ventricle_rule(const TetMesh& mesh, const atlas::HeartFrame& frame, const RuleSettings& settings) {
+RuleField ventricle_rule(const TetMesh& mesh, const ventricles::HeartFrame& frame, const RuleSettings& settings) {
   const Wall wall = make_wall(mesh, {Region::lv_myocardium, Region::rv_myocardium});
   const Borders borders = borders_of(wall, frame);
   if (borders.lv_endo.empty() || borders.epicardium.empty() || borders.base.empty()) return {};
@@ -228,4 +226,4 @@ RuleField ventricle_rule(const TetMesh& mesh, const atlas::HeartFrame& frame, co
   return field;
 }
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -7,16 +7,16 @@
 // septum the two ventricles' rules describe one and the same axis, seen from its two sides. Where free walls and septum
 // meet, both are added as dyads, weighted by the squared slopes of the two functions, so that signs do not matter.
 #pragma once
-#include "generator/atlas/ventricles.hpp"
 #include "generator/fibers/rule.hpp"
+#include "generator/ventricles/ventricles.hpp"
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 
 /// Axes of all nodes of the left and right ventricle's cells. The base is where the valves' rims and the atria are, or,
 /// in a mesh without any, the flat cut across the frame's axis; the apex is the epicardium's farthest place below it.
 /// Empty where the mesh has no surface of a ventricle's cavity or no epicardium. Threads; the same bits for any number.
-RuleField ventricle_rule(const TetMesh& mesh, const atlas::HeartFrame& frame, const RuleSettings& settings);
+RuleField ventricle_rule(const TetMesh& mesh, const ventricles::HeartFrame& frame, const RuleSettings& settings);
 
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -1,6 +1,6 @@
 #include "generator/labels/contacts.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 Contacts contacts_in(const LabelVolume& labels) {
   Contacts contacts;
@@ -21,4 +21,4 @@ Contacts contacts_in(const LabelVolume& labels) {
   return contacts;
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

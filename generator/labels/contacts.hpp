@@ -7,7 +7,7 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 constexpr double far_more = 2;     ///< as much contact as with the right neighbour, before it is a mistake
 constexpr double least_mm2 = 100;  ///< less than the smallest valve
@@ -41,4 +41,4 @@ struct Contacts {
 
 Contacts contacts_in(const LabelVolume& labels);
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

@@ -8,12 +8,12 @@
 #include <functional>
 #include <optional>
 
+#include "generator/image/components.hpp"
+#include "generator/image/distance.hpp"
 #include "generator/labels/contacts.hpp"
-#include "generator/segment/components.hpp"
-#include "generator/segment/distance.hpp"
 #include "model/crop.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 constexpr double gap_voxels = 2;
@@ -51,7 +51,7 @@ std::optional<double> muscle_of(const Scene& scene) {
   const auto given =
       median_hu(scene.ct, [&](std::size_t v) { return scene.given.voxels[v] == tag(Region::lv_myocardium); });
   if (given) return given;
-  const auto distance = segment::distance_to(mask_of(scene.chambers, Region::lv_blood));
+  const auto distance = image::distance_to(mask_of(scene.chambers, Region::lv_blood));
   return median_hu(scene.ct, [&](std::size_t v) {
     return scene.chambers.voxels[v] == 0 && distance.voxels[v] > from_mm && distance.voxels[v] < to_mm;
   });
@@ -70,7 +70,7 @@ std::optional<double> least_blood_hu(const Scene& scene, const ValvePair& pair) 
 
 /// Only pieces that touch both regions.
 Mask bridges_of(const Mask& between, const LabelVolume& chambers, const ValvePair& pair) {
-  const auto parts = segment::connected_components(between);
+  const auto parts = image::connected_components(between);
   std::vector<std::array<bool, 2>> touches(parts.voxel_count.size(), {false, false});
   const auto& size = between.grid.size;
   const auto look = [&](std::size_t v, std::size_t other) {
@@ -116,8 +116,8 @@ std::optional<double> most_width_mm(const Scene& scene, const Volume<float>& wid
 
 void close_gap(Scene& scene, const ValvePair& pair) {
   if (contacts_in(scene.chambers).of(pair.from, pair.to) >= pair.open_mm2) return;
-  const auto from = segment::distance_to(mask_of(scene.chambers, pair.from));
-  const auto to = segment::distance_to(mask_of(scene.chambers, pair.to));
+  const auto from = image::distance_to(mask_of(scene.chambers, pair.from));
+  const auto to = image::distance_to(mask_of(scene.chambers, pair.to));
   const auto width = width_between(from, to);
   const auto blood_hu = least_blood_hu(scene, pair);
   const auto most_mm = most_width_mm(scene, width, blood_hu.has_value());
@@ -192,4 +192,4 @@ std::vector<Warning> closed_valves(const LabelVolume& heart) {
   return warnings;
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

@@ -7,7 +7,7 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 /// Two regions of blood with an open valve between them.
 struct ValvePair {
@@ -26,4 +26,4 @@ LabelVolume with_closed_gaps(LabelVolume chambers, const LabelVolume& given, con
 /// labels.narrow_valve where they hardly touch.
 std::vector<Warning> closed_valves(const LabelVolume& heart);
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

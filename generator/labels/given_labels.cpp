@@ -17,7 +17,7 @@
 #include "model/error.hpp"
 #include "model/text.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -310,4 +310,4 @@ Group group_of(Region region) {
   return is_myocardium(region) ? Group::walls : Group::body;
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

@@ -8,7 +8,7 @@
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 struct GivenLabels {
   LabelVolume labels;             ///< region tags, 0 where nothing is given; no voxels at all without any input
@@ -69,4 +69,4 @@ LabelVolume near_heart(LabelVolume chambers, double reach_mm);
 /// other blood) and touches it, beside the walls that are given.
 LabelVolume least_walls(const LabelVolume& chambers, const LabelVolume& given, const EpicardiumSettings& settings);
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

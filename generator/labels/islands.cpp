@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 
-#include "generator/segment/components.hpp"
-#include "generator/segment/distance.hpp"
+#include "generator/image/components.hpp"
+#include "generator/image/distance.hpp"
 #include "model/crop.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 constexpr std::size_t region_count = 18;
@@ -32,7 +32,7 @@ Mask mask_of(const LabelVolume& labels, auto&& accept) {
 /// The pieces of one region.
 struct Pieces {
   std::uint8_t label = 0;
-  segment::Components parts;
+  image::Components parts;
   std::int32_t largest = 0;
 };
 
@@ -40,7 +40,7 @@ std::vector<Pieces> pieces_of_regions(const LabelVolume& labels) {
   std::vector<Pieces> all;
   for (std::uint8_t label = 1; label < region_count; ++label) {
     if (!is_of_heart(label)) continue;
-    Pieces pieces{label, segment::connected_components(mask_of(labels, [&](std::uint8_t l) { return l == label; })), 0};
+    Pieces pieces{label, image::connected_components(mask_of(labels, [&](std::uint8_t l) { return l == label; })), 0};
     const auto& counts = pieces.parts.voxel_count;
     if (counts.size() < 2) continue;
     pieces.largest = static_cast<std::int32_t>(std::max_element(counts.begin() + 1, counts.end()) - counts.begin());
@@ -51,7 +51,7 @@ std::vector<Pieces> pieces_of_regions(const LabelVolume& labels) {
 
 /// The heart: what hangs together with the largest piece of a region.
 Mask main_parts(const LabelVolume& labels, const std::vector<Pieces>& regions) {
-  const auto whole = segment::connected_components(mask_of(labels, is_of_heart));
+  const auto whole = image::connected_components(mask_of(labels, is_of_heart));
   std::vector<std::uint8_t> stays(whole.voxel_count.size(), 0);
   for (const auto& pieces : regions)
     for (std::size_t v = 0; v < labels.voxels.size(); ++v)
@@ -146,7 +146,7 @@ std::vector<Warning> drop_islands(LabelVolume& labels) {
       if (piece == 0 || main.voxels[v]) continue;
       const bool is_large = static_cast<double>(pieces.parts.voxel_count[piece]) * voxel_mm3 >= min_vessel_mm3;
       if (is_vessel(pieces.label) && is_large) continue;
-      if (distance.voxels.empty()) distance = segment::distance_to(main);
+      if (distance.voxels.empty()) distance = image::distance_to(main);
       part.voxels[v] = 0;
       ++lost.voxels;
       lost.nearest_mm = std::min(lost.nearest_mm, static_cast<double>(distance.voxels[v]));
@@ -172,4 +172,4 @@ double crumb_mm3(double edge_mm) {
   return cells * cell_per_cube * edge_mm * edge_mm * edge_mm;
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

@@ -6,7 +6,7 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 /// Takes away pieces of walls, blood and papillary muscles that hang together with no region's largest piece; pieces of
 /// the great vessels stay from 1 ml on, since the descending aorta may lie apart. Each region that lost some gets a
@@ -20,4 +20,4 @@ double absorb_crumbs(LabelVolume& labels, double crumb_mm3);
 /// The volume of a piece that the mesher gives to its neighbour at such edges.
 double crumb_mm3(double edge_mm);
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

@@ -6,13 +6,13 @@
 #include <array>
 #include <set>
 
+#include "generator/image/distance.hpp"
 #include "generator/labels/contacts.hpp"
-#include "generator/labels/exchanged.hpp"
-#include "generator/segment/distance.hpp"
+#include "generator/labels/swapped_labels.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 std::array<double, 256> volumes_ml(const LabelVolume& labels) {
@@ -179,7 +179,7 @@ void refuse_organs_in_heart(const LabelVolume& given, const LabelVolume& chamber
   Mask left(found.grid);
   std::transform(found.voxels.begin(), found.voxels.end(), left.voxels.begin(),
                  [](std::uint8_t label) { return static_cast<std::uint8_t>(label == tag(Region::lv_blood)); });
-  const auto distance = segment::distance_to(left);
+  const auto distance = image::distance_to(left);
   double zone = 0;
   std::array<double, 256> inside{};
   for (std::size_t v = 0; v < found.voxels.size(); ++v) {
@@ -197,4 +197,4 @@ void refuse_organs_in_heart(const LabelVolume& given, const LabelVolume& chamber
           path, "check labels.preset and [labels.regions]: the numbers may be another task's");
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

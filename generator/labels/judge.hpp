@@ -8,7 +8,7 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 /// Whether the left ventricle's blood lies in its wall, no regions are exchanged, and the ventricles' volumes are those
 /// of one heart. Labels without left blood or wall say no.
@@ -35,4 +35,4 @@ void refuse_labels_beside_heart(const LabelVolume& labels, const CtVolume& ct, c
 /// `chambers` that were found in the CT.
 void refuse_organs_in_heart(const LabelVolume& given, const LabelVolume& chambers, const std::string& path);
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

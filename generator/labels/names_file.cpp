@@ -14,7 +14,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 using Names = std::map<std::int32_t, std::string>;
@@ -120,4 +120,4 @@ Names read_label_names(const std::string& path) {
   return names;
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 /// Reads value and name of every structure from
 /// .csv: with a header, a column "id", "value", "label", "index" or "labelvalue" and a column "structure", "name",
@@ -13,4 +13,4 @@ namespace heart::labels {
 /// Throws UserError naming file and line for anything else, and for a value that stands twice.
 std::map<std::int32_t, std::string> read_label_names(const std::string& path);
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

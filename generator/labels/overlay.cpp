@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <array>
 
+#include "generator/image/components.hpp"
+#include "generator/image/distance.hpp"
+#include "generator/image/morphology.hpp"
 #include "generator/labels/given_labels.hpp"
-#include "generator/segment/components.hpp"
-#include "generator/segment/distance.hpp"
-#include "generator/segment/morphology.hpp"
 #include "model/crop.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 bool is_definite(std::uint8_t label) { return label != 0 && label != tag(Region::torso); }
@@ -102,10 +102,10 @@ LabelVolume with_filled_pockets(LabelVolume chambers, const LabelVolume& given, 
   LabelVolume heart = crop(given, box);
   for (auto& label : heart.voxels) label = in_heart(label) ? label : 0;
   const Mask solid = mask_where(heart, [](Region r) { return r != Region::none; });
-  const Mask pockets = segment::subtract(segment::fill_holes(solid), solid);
-  if (segment::count(pockets) == 0) return chambers;
-  const LabelVolume nearest = segment::nearest_label(heart, 1e9);
-  const segment::Components parts = segment::connected_components(pockets);
+  const Mask pockets = image::subtract(image::fill_holes(solid), solid);
+  if (image::count(pockets) == 0) return chambers;
+  const LabelVolume nearest = image::nearest_label(heart, 1e9);
+  const image::Components parts = image::connected_components(pockets);
   LabelVolume part = crop(chambers, box);
   for (std::size_t v = 0; v < pockets.voxels.size(); ++v) {
     if (!pockets.voxels[v] || part.voxels[v] != 0) continue;
@@ -122,7 +122,7 @@ LabelVolume near_heart(LabelVolume chambers, double reach_mm) {
   const Box box = bounding_box(chambers, 0, [](std::uint8_t label) { return label != 0; });
   if (box.empty()) return chambers;
   LabelVolume part = crop(chambers, box);
-  const auto distance = segment::distance_to(mask_where(part, [&](Region r) { return is_blood(r) && !is_vessel(r); }));
+  const auto distance = image::distance_to(mask_where(part, [&](Region r) { return is_blood(r) && !is_vessel(r); }));
   for (std::size_t v = 0; v < part.voxels.size(); ++v)
     if (is_vessel(static_cast<Region>(part.voxels[v])) && static_cast<double>(distance.voxels[v]) > reach_mm)
       part.voxels[v] = 0;
@@ -131,12 +131,12 @@ LabelVolume near_heart(LabelVolume chambers, double reach_mm) {
 }
 
 LabelVolume least_walls(const LabelVolume& chambers, const LabelVolume& given, const EpicardiumSettings& settings) {
-  const LabelVolume nearest = segment::nearest_label(chambers, 1e9);
+  const LabelVolume nearest = image::nearest_label(chambers, 1e9);
   LabelVolume walls(chambers.grid);
   for (const Wall& wall : walls_of(settings)) {
     if (holds(given, wall.wall)) continue;
     const Mask blood = mask_where(chambers, [&](Region r) { return r == wall.blood; });
-    const auto distance = segment::distance_to(blood);
+    const auto distance = image::distance_to(blood);
     const Mask contact = touching(blood);
     for (std::size_t v = 0; v < walls.voxels.size(); ++v) {
       const bool close = static_cast<double>(distance.voxels[v]) <= wall.least_mm || contact.voxels[v] != 0;
@@ -146,4 +146,4 @@ LabelVolume least_walls(const LabelVolume& chambers, const LabelVolume& given, c
   return with_given(std::move(walls), given, Group::walls);
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

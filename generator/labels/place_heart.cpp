@@ -11,7 +11,7 @@
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 constexpr std::array chambers{Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood};
@@ -128,7 +128,7 @@ TorsoPose fit_torso(const std::vector<CommonMark>& marks, bool with_scale) {
 
 PlacedHeart place_heart(const LabelVolume& heart, const LabelVolume& torso, const TorsoPose& pose) {
   auto corners = corners_of(torso.grid);
-  const auto heart_from_torso = adapters::inverse(pose.torso_from_heart);
+  const auto heart_from_torso = inverse(pose.torso_from_heart);
   for (auto& corner : corners) corner = heart_from_torso(corner);
   const auto larger = continued(heart.grid, corners);
   PlacedHeart placed;
@@ -162,4 +162,4 @@ PlacedHeart place_heart(const LabelVolume& heart, const LabelVolume& torso, cons
   return placed;
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

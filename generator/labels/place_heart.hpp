@@ -8,7 +8,7 @@
 #include "model/landmarks.hpp"
 #include "model/volume.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 /// A place that both patients have.
 struct CommonMark {
@@ -23,7 +23,7 @@ std::vector<CommonMark> common_marks(const LabelVolume& heart, const Landmarks& 
                                      const LabelVolume& torso, const Landmarks& torso_landmarks);
 
 struct TorsoPose {
-  adapters::AffineMap torso_from_heart;
+  AffineMap torso_from_heart;
   double scale = 1;                 ///< of the torso against the heart
   double rms_mm = 0;                ///< of the marks, in the torso
   std::vector<double> residual_mm;  ///< of each mark
@@ -42,4 +42,4 @@ struct PlacedHeart {
 /// own, it is filled as torso. Throws UserError where more than a tenth of the heart lies outside the body.
 PlacedHeart place_heart(const LabelVolume& heart, const LabelVolume& torso, const TorsoPose& pose);
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

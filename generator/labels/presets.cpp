@@ -9,7 +9,7 @@
 #include "model/error.hpp"
 #include "model/text.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 using enum Region;
@@ -244,4 +244,4 @@ std::string plain_name(std::string_view name) {
   return plain;
 }
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

@@ -9,7 +9,7 @@
 
 #include "model/labels.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 
 /// A structure that a preset knows; Region::none: known, and of no use to a heart model.
 struct KnownStructure {
@@ -38,4 +38,4 @@ const LabelPreset& label_preset(std::string_view name);
 /// Lower case, with every run of other characters than letters and digits as one '_': how names are compared.
 std::string plain_name(std::string_view name);
 
-}  // namespace heart::labels
+}  // namespace heartgen::labels

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/judge.hpp"
-#include "generator/landmarks/statistics.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 // What a contradiction leaves of the confidence: a size out of range may be a rare heart, a wrong order of the
@@ -154,7 +154,7 @@ void check_angles(const Findings& findings, Report& report) {
   constexpr double mitral_limit_deg = 40, tricuspid_limit_deg = 55, spread_limit_deg = 20;
   const auto off_axis = [&](const char* name) {
     const auto at = findings.valves.find(name);
-    return at == findings.valves.end() ? 0 : angle_deg(at->second.normal, -findings.axis.direction);
+    return at == findings.valves.end() ? 0 : image::angle_deg(at->second.normal, -findings.axis.direction);
   };
   if (off_axis("mitral") > mitral_limit_deg)
     report.warn(minor, fmt::format("the mitral valve is tilted by {:.0f} degrees", off_axis("mitral")));
@@ -236,4 +236,4 @@ void check_anatomy(const Findings& findings, FoundLandmarks& found) {
   check_valve_places(findings, report);
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -4,10 +4,10 @@
 #include <queue>
 #include <tuple>
 
+#include "generator/image/distance.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/distance.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double narrowest_mm = 2.5;          // two voxels: less may be partial volume
@@ -59,7 +59,7 @@ std::int32_t find_right_heart(const Basins& basins, const Pools& pools, const Le
   const auto is_ventricle = [&](std::int32_t label) {
     return std::find(left.ventricle.begin(), left.ventricle.end(), label) != left.ventricle.end();
   };
-  const auto distance = segment::distance_to(mask_where(basins.label.grid, [&](const Vec3&, std::size_t v) {
+  const auto distance = image::distance_to(mask_where(basins.label.grid, [&](const Vec3&, std::size_t v) {
     return basins.label.voxels[v] > 0 && is_ventricle(basins.label.voxels[v]);
   }));
   std::vector<std::int64_t> across(static_cast<std::size_t>(basins.count) + 1, 0);
@@ -128,4 +128,4 @@ LabelVolume label_map(const Basins& basins, const Assignment& assignment) {
   return map;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/landmarks/left_heart.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// The basin that has most of its volume across the septum from the left ventricle; 0 where there is none.
 std::int32_t find_right_heart(const Basins& basins, const Pools& pools, const LeftHeart& left);
@@ -14,4 +14,4 @@ Assignment assign_basins(const Basins& basins, const Pools& pools, const LeftHea
 /// The label map of an assignment.
 LabelVolume label_map(const Basins& basins, const Assignment& assignment);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

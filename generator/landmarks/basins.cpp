@@ -6,7 +6,7 @@
 
 #include "generator/landmarks/working_image.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr float shallow_mm = 4;           // peaks below are no chamber and no great vessel: they join what they meet
@@ -154,4 +154,4 @@ Basins divide_at_constrictions(const Mask& blood) {
   return basins;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -10,7 +10,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 struct Contact {
   double width_mm = 0;  ///< the greatest depth on the common border: half the width of the way from one to the other
@@ -28,4 +28,4 @@ struct Basins {
 
 Basins divide_at_constrictions(const Mask& blood);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 
-#include "generator/landmarks/statistics.hpp"
+#include "generator/image/components.hpp"
+#include "generator/image/gaussian.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/components.hpp"
-#include "generator/segment/gaussian.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr int reach_voxels = 4;             // 6 mm: from the middle of a thin wall to blood on both of its sides
@@ -64,7 +64,7 @@ Volume<float> brightest_within_reach(const Volume<float>& image) {
 }  // namespace
 
 Mask local_blood(const WorkingImage& image, const Contrast& contrast, double fraction) {
-  const auto local = brightest_within_reach(segment::gaussian(image.hu, local_sigma_mm));
+  const auto local = brightest_within_reach(image::gaussian(image.hu, local_sigma_mm));
   const double soft = contrast.soft_hu;
   const double floor =
       contrast.bright_hu < soft + weak_contrast_hu ? 0.5 * (soft + contrast.bright_hu) : strong_contrast_floor_hu;
@@ -99,7 +99,7 @@ Vec3 heart_centre(const Mask& blood, const Mask& region) {
   if (points.empty())
     throw UserError("no pool of bright blood is between the lungs", "landmarks",
                     "use a scan that shows the heart with contrast, or give the seeds by hand");
-  const auto density = segment::gaussian(core, search_sigma_mm);
+  const auto density = image::gaussian(core, search_sigma_mm);
   const auto peak = std::max_element(density.voxels.begin(), density.voxels.end()) - density.voxels.begin();
   const auto row = peak / blood.grid.size[0];
   Vec3 centre = position_mm(blood.grid, peak % blood.grid.size[0], row % blood.grid.size[1], row / blood.grid.size[1]);
@@ -107,7 +107,7 @@ Vec3 heart_centre(const Mask& blood, const Mask& region) {
     std::vector<Vec3> near;
     std::copy_if(points.begin(), points.end(), std::back_inserter(near),
                  [&](const Vec3& p) { return norm(p - centre) < ball_mm; });
-    if (!near.empty()) centre = mean(near);
+    if (!near.empty()) centre = image::mean(near);
   }
   return centre;
 }
@@ -117,7 +117,7 @@ Mask heart_blood(const Mask& blood, const Mask& region, const Vec3& centre) {
   Mask result = mask_where(blood.grid, [&](const Vec3& p, std::size_t v) {
     return blood.voxels[v] && region.voxels[v] && norm(p - centre) < heart_reach_mm;
   });
-  const auto islands = segment::connected_components(inverse(result));
+  const auto islands = image::connected_components(inverse(result));
   const auto limit = static_cast<std::int64_t>(largest_island_mm3 / blood.grid.voxel_volume_mm3());
   for (std::size_t v = 0; v < result.voxels.size(); ++v) {
     const auto label = static_cast<std::size_t>(islands.label.voxels[v]);
@@ -126,4 +126,4 @@ Mask heart_blood(const Mask& blood, const Mask& region, const Vec3& centre) {
   return result;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

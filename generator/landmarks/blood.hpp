@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/landmarks/contrast.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// Blood by a threshold that follows the local contrast: `fraction` of the way from soft tissue to the brightest
 /// blood within 6 mm. Thin walls survive, and chambers of 200 HU are found beside chambers of 400 HU.
@@ -20,4 +20,4 @@ Mask heart_blood(const Mask& blood, const Mask& region, const Vec3& centre);
 /// Farthest a heart and the roots of its vessels reach from the centre of its blood.
 constexpr double heart_reach_mm = 110;
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

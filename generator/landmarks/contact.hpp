@@ -5,7 +5,7 @@
 
 #include "generator/landmarks/working_image.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 struct ContactSurface {
   std::vector<Vec3> points;  ///< centres of the common voxel faces
@@ -41,4 +41,4 @@ ContactSurface contact_surface(const Volume<T>& labels, First&& first, Second&& 
   return surface;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

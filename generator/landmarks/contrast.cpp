@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "generator/landmarks/statistics.hpp"
+#include "generator/image/statistics.hpp"
 #include "model/error.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double unenhanced_hu = 120;       // blood without contrast (45), liver and muscle with it (up to 110)
@@ -22,12 +22,12 @@ constexpr double brightest_muscle_hu = 160;
 
 double bright_threshold(const Volume<float>& coarse) {
   std::vector<float> values = coarse.voxels;
-  TwoLevels levels = two_medians(values, 0.25, 0.75);
+  image::TwoLevels levels = image::two_medians(values, 0.25, 0.75);
   for (const double high : {0.98, 0.90}) {
     if (levels.threshold() > unenhanced_hu) return levels.threshold();
     std::erase_if(values, [&](float v) { return static_cast<double>(v) <= levels.threshold(); });
     if (values.empty()) return late_phase_hu;
-    levels = two_medians(values, 0.25, high);
+    levels = image::two_medians(values, 0.25, high);
   }
   return levels.threshold() > unenhanced_hu ? levels.threshold() : late_phase_hu;
 }
@@ -54,8 +54,8 @@ Contrast measure_contrast(const WorkingImage& image, const Mask& chest, const Sp
                     "landmarks",
                     "use a scan with contrast, or give the seeds lv_blood, rv_blood, la_blood, ra_blood and the valve "
                     "planes by hand");
-  const TwoLevels levels = two_medians(deep, 0.2, 0.8);
-  return {bright_hu, median(soft), levels.high < metal_or_streak_hu ? levels.high : levels.low};
+  const image::TwoLevels levels = image::two_medians(deep, 0.2, 0.8);
+  return {bright_hu, image::median(soft), levels.high < metal_or_streak_hu ? levels.high : levels.low};
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

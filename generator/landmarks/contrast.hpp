@@ -3,7 +3,7 @@
 #include "generator/landmarks/thorax.hpp"
 #include "generator/landmarks/working_image.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 struct Contrast {
   double bright_hu = 0;  ///< what is brighter is blood with contrast or bone
@@ -20,4 +20,4 @@ double bright_threshold(const Volume<float>& coarse);
 /// image without contrast.
 Contrast measure_contrast(const WorkingImage& image, const Mask& chest, const Spine& spine, double bright_hu);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -1,16 +1,16 @@
 #include "generator/landmarks/cut_ventricles.hpp"
 
+#include "generator/image/distance.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/distance.hpp"
 #include "model/labels.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double thinnest_left_wall_mm = 4;  // of dilated hearts; its tip may be thinner
 
 Volume<float> distance_to_pool(const LabelVolume& chambers, Region pool) {
-  return segment::distance_to(
+  return image::distance_to(
       mask_where(chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(pool); }));
 }
 
@@ -33,4 +33,4 @@ double ventricles_cut_cm2(const LabelVolume& chambers) {
   return cut_cm2;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,10 +2,10 @@
 #pragma once
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// The area, cm2, over which the grid's border surely cuts a ventricle: its blood ends there, or the left one's comes
 /// so near that its wall does. The pools do not come near the border of a grid that holds all of them.
 double ventricles_cut_cm2(const LabelVolume& chambers);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
+#include "generator/image/components.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/components.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 /// Gives the piece of `side` that holds most of a region to that region.
 void claim_main_piece(LabelVolume& chambers, const Mask& side, Region region) {
-  const auto pieces = segment::connected_components(side);
+  const auto pieces = image::connected_components(side);
   std::vector<std::int64_t> held(pieces.voxel_count.size(), 0);
   for (std::size_t v = 0; v < side.voxels.size(); ++v)
     if (side.voxels[v] && chambers.voxels[v] == tag(region)) ++held[static_cast<std::size_t>(pieces.label.voxels[v])];
@@ -34,4 +34,4 @@ void divide_at_plane(LabelVolume& chambers, Region ventricle, Region beyond, con
   claim_main_piece(chambers, below, ventricle);
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -3,10 +3,10 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// The main piece of the two pools' blood on the side that `normal` points to becomes `beyond`, the main piece on the
 /// other side `ventricle`; pieces cut off by the plane (a recess that bulges past it) keep their label.
 void divide_at_plane(LabelVolume& chambers, Region ventricle, Region beyond, const Vec3& point, const Vec3& normal);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
+#include "generator/image/components.hpp"
+#include "generator/image/morphology.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/basins.hpp"
-#include "generator/landmarks/statistics.hpp"
-#include "generator/segment/components.hpp"
-#include "generator/segment/morphology.hpp"
 #include "model/labels.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double reach_mm = 15;         // beyond the septum: where most of the right ventricle lies
@@ -25,7 +25,7 @@ struct Space {
   Vec3 centre_mm;
 };
 
-std::vector<Space> measure_spaces(const Basins& basins, const segment::WallDistances& walls) {
+std::vector<Space> measure_spaces(const Basins& basins, const anatomy::WallDistances& walls) {
   std::vector<Space> spaces(static_cast<std::size_t>(basins.count) + 1);
   const double voxel_ml = basins.label.grid.voxel_volume_mm3() / 1000;
   for_each_voxel(basins.label.grid, [&](const Vec3& p, std::size_t v) {
@@ -92,23 +92,23 @@ std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, cons
   });
   const Mask thin =
       mask_where(grid, [&](const Vec3& p, std::size_t) { return dot(p - axis.base_mm, axis.direction) < 0; });
-  const auto walls = segment::measure_walls(image.hu, lv, other, muscle_hu);
-  const auto inside = segment::usual_cavity(walls, thin);
+  const auto walls = anatomy::measure_walls(image.hu, lv, other, muscle_hu);
+  const auto inside = anatomy::usual_cavity(walls, thin);
   const auto basins = divide_at_constrictions(
       mask_where(grid, [&](const Vec3&, std::size_t v) { return region.voxels[v] && inside.voxels[v] > 0; }));
   const auto chosen = right_spaces(basins, measure_spaces(basins, walls), lowest_z_mm(chambers));
   if (chosen.empty()) return std::nullopt;
   const Mask compartment = mask_where(
       grid, [&](const Vec3&, std::size_t v) { return chosen[static_cast<std::size_t>(basins.label.voxels[v])] != 0; });
-  const auto grey = segment::measure_faint_contrast(image.hu, walls, inside, compartment);
-  const auto blood = segment::faint_blood(image.hu, walls, inside, compartment, grey);
-  const Mask right = segment::largest_component(mask_where(
+  const auto grey = anatomy::measure_faint_contrast(image.hu, walls, inside, compartment);
+  const auto blood = anatomy::faint_blood(image.hu, walls, inside, compartment, grey);
+  const Mask right = image::largest_component(mask_where(
       grid, [&](const Vec3&, std::size_t v) { return blood.voxels[v] > 0 && !lv.voxels[v] && !other.voxels[v]; }));
   for (std::size_t v = 0; v < right.voxels.size(); ++v) {
     if (is(v, Region::rv_blood)) chambers.voxels[v] = 0;
     if (right.voxels[v] && chambers.voxels[v] == 0) chambers.voxels[v] = tag(Region::rv_blood);
   }
-  return FaintRightHeart{grey, walls, segment::dilate(compartment, near_mm)};
+  return FaintRightHeart{grey, walls, image::dilate(compartment, near_mm)};
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

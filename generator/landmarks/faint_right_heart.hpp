@@ -2,16 +2,16 @@
 #pragma once
 #include <optional>
 
+#include "generator/anatomy/faint_blood.hpp"
 #include "generator/landmarks/contrast.hpp"
 #include "generator/landmarks/long_axis.hpp"
-#include "generator/segment/faint_blood.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// A faint right heart's grey values and surroundings, on the chambers' grid.
 struct FaintRightHeart {
-  segment::FaintContrast contrast;
-  segment::WallDistances walls;
+  anatomy::FaintContrast contrast;
+  anatomy::WallDistances walls;
   Mask near;  ///< within 6 mm of its cavities
 };
 
@@ -23,4 +23,4 @@ std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, cons
                                                      const Mask& region, const LongAxis& axis, const Contrast& contrast,
                                                      double muscle_hu);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 using Names = std::span<const char* const>;
@@ -43,4 +43,4 @@ Trust trust_in(double confidence) {
   return confidence < min_sound_confidence ? Trust::uncertain : Trust::sound;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -6,14 +6,14 @@
 
 #include "generator/landmarks/landmarks.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// `sound`: go on. `uncertain`: go on and say so. `doubtful`: what was found may not be a heart.
 enum class Trust : std::uint8_t { sound, uncertain, doubtful };
 
 constexpr std::array<std::string_view, 3> trust_names = {"sound", "uncertain", "doubtful"};
 
-// Measured on phantoms, spoiled scans and public scans by `heartgen bench confidence`; docs/confidence.md has the
+// Measured on phantoms, spoiled scans and public scans by `heartgen-lab bench confidence`; docs/confidence.md has the
 // table.
 constexpr double min_confidence = 0.5;        ///< below: doubtful
 constexpr double min_sound_confidence = 0.7;  ///< below: uncertain
@@ -27,4 +27,4 @@ double confidence_beside(const FoundLandmarks& found, const Landmarks& given);
 
 Trust trust_in(double confidence);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -7,6 +7,8 @@
 #include <exception>
 #include <numbers>
 
+#include "generator/anatomy/faint_right_heart.hpp"
+#include "generator/anatomy/hounsfield.hpp"
 #include "generator/landmarks/anatomy_check.hpp"
 #include "generator/landmarks/assign.hpp"
 #include "generator/landmarks/blood.hpp"
@@ -17,12 +19,10 @@
 #include "generator/landmarks/spine.hpp"
 #include "generator/landmarks/trachea.hpp"
 #include "generator/landmarks/valves.hpp"
-#include "generator/segment/faint_right_heart.hpp"
-#include "generator/segment/hounsfield.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr std::int64_t coarse_step = 2;  // 3 mm for lungs and spine
@@ -246,7 +246,7 @@ SearchResult search_until_plausible(Subject& subject) {
 }
 
 Subject make_subject(const CtVolume& ct) {
-  segment::require_hounsfield(ct);
+  anatomy::require_hounsfield(ct);
   Subject subject;
   subject.image = make_working_image(ct);
   subject.coarse = thinned(subject.image.smooth, coarse_step);
@@ -295,4 +295,4 @@ SearchResult search(const CtVolume& ct) {
 
 FoundLandmarks find_landmarks(const CtVolume& ct) { return search(ct).found; }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -8,7 +8,7 @@
 #include "model/landmarks.hpp"
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// What was found, and how far to trust it. Everything in LPS mm.
 struct FoundLandmarks {
@@ -29,4 +29,4 @@ struct FoundLandmarks {
 /// to it. Not collective: call it on the root.
 FoundLandmarks find_landmarks(const CtVolume& ct);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/contact.hpp"
 #include "generator/landmarks/search.hpp"
-#include "generator/landmarks/statistics.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 /// How much a basin looks like the left ventricle: muscle around it, large, on the left.
@@ -126,7 +126,7 @@ double aorta_vote(const Basins& basins, const Pools& pools, std::int32_t label, 
   const auto contact = contact_surface(
       basins.label, [&](std::int32_t l) { return l == label; }, [&](std::int32_t l) { return contains(ventricle, l); });
   const Pool& pool = pools.at(label);
-  const Vec3 at = contact.points.empty() ? pool.centre_mm : mean(contact.points);
+  const Vec3 at = contact.points.empty() ? pool.centre_mm : image::mean(contact.points);
   const double top = group_around(basins, pools, ventricle, label).top_mm;
   return top / height_scale_mm + (spine.at(at.z).y - at.y) / contact_scale_mm + pool.front_mm / centre_scale_mm;
 }
@@ -178,4 +178,4 @@ std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pool
   return heart;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

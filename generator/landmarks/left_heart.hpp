@@ -4,7 +4,7 @@
 
 #include "generator/landmarks/pools.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 struct LeftHeart {
   std::vector<std::int32_t> ventricle;  ///< the main basin first
@@ -20,4 +20,4 @@ struct LeftHeart {
 std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine,
                                          std::size_t choice = 0);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "generator/landmarks/statistics.hpp"
+#include "generator/image/distance.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/distance.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 LeftWall look_at_left_wall(const LabelVolume& chambers, const Volume<float>& smooth) {
   constexpr float from_mm = 3, to_mm = 7.5;
@@ -14,8 +14,8 @@ LeftWall look_at_left_wall(const LabelVolume& chambers, const Volume<float>& smo
   std::vector<float> blood;
   for (std::size_t v = 0; v < chambers.voxels.size(); ++v)
     if (chambers.voxels[v] == tag(Region::lv_blood)) blood.push_back(smooth.voxels[v]);
-  const auto bone_hu = static_cast<float>(median(blood)) + brighter_hu;
-  const auto distance = segment::distance_to(mask_where(
+  const auto bone_hu = static_cast<float>(image::median(blood)) + brighter_hu;
+  const auto distance = image::distance_to(mask_where(
       chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(Region::lv_blood); }));
   double all = 0, muscle = 0, bone = 0;
   for (std::size_t v = 0; v < distance.voxels.size(); ++v) {
@@ -28,4 +28,4 @@ LeftWall look_at_left_wall(const LabelVolume& chambers, const Volume<float>& smo
   return all > 0 ? LeftWall{muscle / all, bone / all} : LeftWall{};
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -3,7 +3,7 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// Shares of a shell 3 to 7.5 mm outside of lv_blood, without the other pools.
 struct LeftWall {
@@ -14,4 +14,4 @@ struct LeftWall {
 /// `chambers` and the smoothed image, HU, on one grid along the LPS axes.
 LeftWall look_at_left_wall(const LabelVolume& chambers, const Volume<float>& smooth);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/contact.hpp"
-#include "generator/landmarks/statistics.hpp"
 #include "generator/landmarks/valve_patch.hpp"
 #include "model/labels.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double mitral_weight = 0.65;  // the middle of the base is nearer to the wider orifice
@@ -30,11 +30,11 @@ Vec3 mean_of_farthest(const std::vector<Vec3>& points, Value&& value) {
   std::vector<float> values;
   values.reserve(points.size());
   for (const Vec3& p : points) values.push_back(static_cast<float>(value(p)));
-  const double limit = quantile(values, 1 - tip_share);
+  const double limit = image::quantile(values, 1 - tip_share);
   std::vector<Vec3> farthest;
   for (const Vec3& p : points)
     if (static_cast<float>(value(p)) >= static_cast<float>(limit)) farthest.push_back(p);
-  return mean(farthest);
+  return image::mean(farthest);
 }
 
 Vec3 middle_of_base(const LabelVolume& chambers, const std::vector<Vec3>& ventricle) {
@@ -42,7 +42,7 @@ Vec3 middle_of_base(const LabelVolume& chambers, const std::vector<Vec3>& ventri
   const auto aortic = find_valve_patch(chambers, Region::lv_blood, Region::aorta);
   if (mitral && aortic) return mitral_weight * mitral->centre_mm + (1 - mitral_weight) * aortic->centre_mm;
   if (mitral) return mitral->centre_mm;
-  return aortic ? aortic->centre_mm : mean(ventricle);
+  return aortic ? aortic->centre_mm : image::mean(ventricle);
 }
 
 /// Line through the centres of slices across `axis`, between 20 and 85 % of the length: clear of base and tip.
@@ -58,8 +58,8 @@ Vec3 direction_of_centres(const std::vector<Vec3>& points, const Vec3& base, con
   }
   std::vector<Vec3> centres;
   for (const auto& s : slice)
-    if (!s.empty()) centres.push_back(mean(s));
-  const Vec3 line = principal_axes(centres).axis[0];
+    if (!s.empty()) centres.push_back(image::mean(s));
+  const Vec3 line = image::principal_axes(centres).axis[0];
   return dot(line, axis) < 0 ? -line : line;
 }
 
@@ -86,9 +86,9 @@ LongAxis find_long_axis(const LabelVolume& chambers, const Volume<float>& smooth
   const Vec3 by_tip = normalized(tip - axis.base_mm);
   const Vec3 by_centres = direction_of_centres(ventricle, axis.base_mm, by_tip);
   axis.direction = normalized(by_tip + by_centres);
-  axis.spread_deg = angle_deg(by_tip, by_centres);
+  axis.spread_deg = image::angle_deg(by_tip, by_centres);
   axis.apex_mm = leave_muscle(smooth, tip, axis.direction);
   return axis;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

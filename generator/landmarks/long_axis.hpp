@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/landmarks/working_image.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 struct LongAxis {
   Vec3 base_mm;       ///< middle of the ventricle's outlet, between mitral and aortic valve
@@ -14,4 +14,4 @@ struct LongAxis {
 /// `chambers` holds lv_blood, la_blood and aorta; nothing else is used. The ventricle must not be empty.
 LongAxis find_long_axis(const LabelVolume& chambers, const Volume<float>& smooth);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

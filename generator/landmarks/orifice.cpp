@@ -4,13 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "generator/image/gaussian.hpp"
+#include "generator/image/sections.hpp"
 #include "generator/landmarks/working_image.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/gaussian.hpp"
-#include "generator/segment/sections.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double off_fat_mm = 3;           // nearer to fat the grey value is a mixture
@@ -35,7 +35,7 @@ struct Pose {
 };
 
 Vec3 normal_of(const ValvePatch& start, const Pose& pose) {
-  const segment::PlaneFrame frame = segment::frame_across(start.normal);
+  const image::PlaneFrame frame = image::frame_across(start.normal);
   return normalized(start.normal + math::tan(pose.tilt_u_deg * degree) * frame.u +
                     math::tan(pose.tilt_v_deg * degree) * frame.v);
 }
@@ -63,7 +63,7 @@ struct Cut {
 };
 
 Cut cut_at(const FaintTissue& tissue, const Vec3& point, const Vec3& normal) {
-  const segment::PlaneFrame frame = segment::frame_across(normal);
+  const image::PlaneFrame frame = image::frame_across(normal);
   Cut cut;
   cut.row_sum.reserve(static_cast<std::size_t>(Cut::side) * static_cast<std::size_t>(Cut::side + 1));
   for (int b = -Cut::half; b <= Cut::half; ++b) {
@@ -110,7 +110,7 @@ Disc best_disc(const Cut& cut, double radius_step_mm, int step, double nats_per_
         const double across = math::hypot(a, b) * Cut::pixel_mm / across_slack_mm;
         const double penalty_nats = 0.5 * (unusual * unusual + across * across);
         const double excess =
-            excess_in(cut, a, b, radius_mm) - penalty_nats / (2 * nats_per_mm2 * segment::section_pixel_mm2);
+            excess_in(cut, a, b, radius_mm) - penalty_nats / (2 * nats_per_mm2 * image::section_pixel_mm2);
         if (excess > best.excess) best = {a, b, radius_mm, excess};
       }
   }
@@ -123,13 +123,13 @@ double gain_of(const FaintTissue& tissue, const ValvePatch& start, const Pose& p
   constexpr double search_mm = 9, least_mm2 = 300, nothing = -1e9, radius_step_mm = 2;
   constexpr int step = 2;
   const Vec3 point = point_of(start, pose), normal = normal_of(start, pose);
-  const auto points = segment::section_points(tissue.open, point, normal, search_mm);
-  if (static_cast<double>(points.size()) * segment::section_pixel_mm2 < least_mm2) return nothing;
+  const auto points = image::section_points(tissue.open, point, normal, search_mm);
+  if (static_cast<double>(points.size()) * image::section_pixel_mm2 < least_mm2) return nothing;
   double whole = 0;
   for (const Vec3& p : points) whole += static_cast<double>(value_at(tissue.excess, p));
   const Disc disc = best_disc(cut_at(tissue, point, normal), radius_step_mm, step, tissue.nats_per_mm2);
   const double off = math::pow(pose.shift_mm / shift_slack_mm, 2) + math::pow(pose.tilt_deg() / tilt_slack_deg, 2);
-  return 2 * (disc.excess - std::max(whole, 0.0)) * segment::section_pixel_mm2 * tissue.nats_per_mm2 - 0.5 * off;
+  return 2 * (disc.excess - std::max(whole, 0.0)) * image::section_pixel_mm2 * tissue.nats_per_mm2 - 0.5 * off;
 }
 
 std::vector<Pose> poses_around(const Pose& middle, double shift_step_mm, int shifts, double tilt_step_deg, int tilts) {
@@ -193,7 +193,7 @@ FaintTissue show_tissue(const Volume<float>& hu, const FaintRightHeart& right) {
     else
       tissue.excess.voxels[v] = outside <= 0 || in_left ? -0.5F : 0.0F;
   }
-  tissue.excess = segment::gaussian(tissue.excess, smoothing_mm);
+  tissue.excess = image::gaussian(tissue.excess, smoothing_mm);
   return tissue;
 }
 
@@ -203,7 +203,7 @@ std::optional<ValvePatch> find_orifice(const FaintTissue& tissue, const ValvePat
   if (gain < least_nats) return std::nullopt;
   const Vec3 point = point_of(start, pose), normal = normal_of(start, pose);
   const Disc disc = best_disc(cut_at(tissue, point, normal), 0.5, 1, tissue.nats_per_mm2);
-  const segment::PlaneFrame frame = segment::frame_across(normal);
+  const image::PlaneFrame frame = image::frame_across(normal);
   ValvePatch patch;
   patch.centre_mm = point + (disc.a * Cut::pixel_mm) * frame.u + (disc.b * Cut::pixel_mm) * frame.v;
   patch.normal = normal;
@@ -212,4 +212,4 @@ std::optional<ValvePatch> find_orifice(const FaintTissue& tissue, const ValvePat
   return patch;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -10,7 +10,7 @@
 #include "generator/landmarks/faint_right_heart.hpp"
 #include "generator/landmarks/valve_patch.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// The right heart as its grey values show it, on the grid of the image.
 struct FaintTissue {
@@ -25,4 +25,4 @@ FaintTissue show_tissue(const Volume<float>& hu, const FaintRightHeart& right);
 /// The orifice within 15 mm and 35 degrees of `start`; nothing where the noise would hide it.
 std::optional<ValvePatch> find_orifice(const FaintTissue& tissue, const ValvePatch& start);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

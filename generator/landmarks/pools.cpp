@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "generator/landmarks/statistics.hpp"
+#include "generator/image/distance.hpp"
+#include "generator/image/modal_intensity.hpp"
+#include "generator/image/morphology.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/distance.hpp"
-#include "generator/segment/morphology.hpp"
-#include "generator/segment/typical_grey.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double smallest_pool_ml = 1.5;
@@ -27,7 +27,7 @@ Mask thin_muscle(const Volume<float>& smooth, double bright_hu) {
   const Mask muscle = mask_where(smooth.grid, [&](const Vec3&, std::size_t v) {
     return smooth.voxels[v] > fat_hu && static_cast<double>(smooth.voxels[v]) <= limit;
   });
-  return segment::subtract(muscle, segment::open(muscle, thick_mm));
+  return image::subtract(muscle, image::open(muscle, thick_mm));
 }
 
 struct Extent {
@@ -66,7 +66,7 @@ Box grown(Box box, const Grid& grid) {
 
 void measure_shell(const Volume<float>& smooth, const Mask& muscle, const Volume<std::int32_t>& labels,
                    std::int32_t label, Pool& pool) {
-  const auto distance = segment::distance_to(
+  const auto distance = image::distance_to(
       mask_where(labels.grid, [&](const Vec3&, std::size_t v) { return labels.voxels[v] == label; }));
   double shell = 0, in_muscle = 0, dark = 0;
   std::vector<float> grey;
@@ -81,7 +81,7 @@ void measure_shell(const Volume<float>& smooth, const Mask& muscle, const Volume
   if (shell == 0) return;
   pool.muscle_share = in_muscle / shell;
   pool.fat_or_air_share = dark / shell;
-  pool.shell_hu = segment::typical_grey(grey, segment::muscle_window_hu);
+  pool.shell_hu = image::typical_grey(grey, image::muscle_window_hu);
 }
 
 void measure_grey(const Volume<float>& hu, const Volume<float>& smooth, const Volume<float>& depth,
@@ -98,7 +98,7 @@ void measure_grey(const Volume<float>& hu, const Volume<float>& smooth, const Vo
     sum += value;
     squares += value * value;
   }
-  pool.hu = median(all);
+  pool.hu = image::median(all);
   if (n > 0) pool.hu_deviation = std::sqrt(std::max(squares / n - sum / n * (sum / n), 0.0));
 }
 
@@ -136,4 +136,4 @@ double relative_width(const Basins& basins, const Pools& pools, std::int32_t a, 
   return basins.width(a, b) / std::min(pools.at(a).depth_mm, pools.at(b).depth_mm);
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

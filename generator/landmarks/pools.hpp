@@ -7,7 +7,7 @@
 #include "generator/landmarks/contrast.hpp"
 #include "model/labels.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 struct Pool {
   double volume_ml = 0;
@@ -35,4 +35,4 @@ using Assignment = std::map<std::int32_t, Region>;
 /// Way from one pool to another relative to the narrower of the two, 0 to 1.
 double relative_width(const Basins& basins, const Pools& pools, std::int32_t a, std::int32_t b);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -4,12 +4,12 @@
 #include <array>
 #include <vector>
 
+#include "generator/image/distance.hpp"
+#include "generator/image/sections.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/distance.hpp"
-#include "generator/segment/sections.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double step_mm = 2, walk_mm = 60;
@@ -23,7 +23,7 @@ constexpr double ring_from_mm = 2.5, ring_to_mm = 5.5;  // outside the blood: th
 constexpr float least_muscle_hu = 20, most_muscle_hu = 180;
 
 struct Station {
-  segment::Section section;
+  image::Section section;
   Vec3 normal;         ///< downstream
   double muscle = 0;   ///< in its wall: a share, or the wall's grey value
   double beneath = 0;  ///< what lies beneath the wall is brighter by this, HU: blood, or muscle of a thick wall
@@ -45,15 +45,15 @@ Scenery make_scenery(const LabelVolume& chambers, const WorkingImage& image,
   });
   Volume<float> blood(mask.grid);
   std::copy(mask.voxels.begin(), mask.voxels.end(), blood.voxels.begin());
-  return {chambers, image, faint, std::move(blood), segment::distance_to(mask)};
+  return {chambers, image, faint, std::move(blood), image::distance_to(mask)};
 }
 
 /// Calls visit(offset) for the voxels nearest to a disc around a section, `beyond_mm` wider than the section.
 template <class Visit>
-void for_each_voxel_around(const Grid& grid, const segment::Section& section, const Vec3& normal, double beyond_mm,
+void for_each_voxel_around(const Grid& grid, const image::Section& section, const Vec3& normal, double beyond_mm,
                            Visit&& visit) {
   constexpr double pixel_mm = 1.5;
-  const segment::PlaneFrame frame = segment::frame_across(normal);
+  const image::PlaneFrame frame = image::frame_across(normal);
   const auto reach = static_cast<int>((0.7 * section.diameter_mm() + beyond_mm) / pixel_mm);
   for (int b = -reach; b <= reach; ++b)
     for (int a = -reach; a <= reach; ++a) {
@@ -63,7 +63,7 @@ void for_each_voxel_around(const Grid& grid, const segment::Section& section, co
 }
 
 /// Share of muscle in the ring around a section, other chambers left out.
-double muscle_around(const Scenery& scenery, const segment::Section& section, const Vec3& normal) {
+double muscle_around(const Scenery& scenery, const image::Section& section, const Vec3& normal) {
   double ring = 0, muscle = 0;
   for_each_voxel_around(scenery.chambers.grid, section, normal, ring_to_mm, [&](std::size_t v) {
     const float away = scenery.distance.voxels[v];
@@ -81,13 +81,13 @@ struct WallLayers {
   double outermost_hu = 0, beneath_hu = 0;
 };
 
-WallLayers wall_layers(const Scenery& scenery, const segment::Section& section, const Vec3& normal) {
+WallLayers wall_layers(const Scenery& scenery, const image::Section& section, const Vec3& normal) {
   constexpr double beyond_mm = 8, off_left_mm = 5;
   constexpr float layer_mm = 2.2F;
   const auto& walls = scenery.faint->walls;
   std::array<double, 2> voxels{}, sum{};
   for (const double along_mm : {-1.5, 0.0, 1.5}) {
-    const segment::Section beside{section.area_mm2, section.centre_mm + along_mm * normal};
+    const image::Section beside{section.area_mm2, section.centre_mm + along_mm * normal};
     for_each_voxel_around(scenery.chambers.grid, beside, normal, beyond_mm, [&](std::size_t v) {
       const float outside = walls.from_outside.voxels[v];
       if (outside <= 0 || outside > 2 * layer_mm || static_cast<double>(scenery.distance.voxels[v]) > beyond_mm) return;
@@ -101,7 +101,7 @@ WallLayers wall_layers(const Scenery& scenery, const segment::Section& section, 
   return {mean(0), mean(1)};
 }
 
-Station station_at(const Scenery& scenery, const segment::Section& section, const Vec3& normal) {
+Station station_at(const Scenery& scenery, const image::Section& section, const Vec3& normal) {
   if (!scenery.faint) return {section, normal, muscle_around(scenery, section, normal), 0};
   const WallLayers wall = wall_layers(scenery, section, normal);
   return {section, normal, wall.outermost_hu, wall.beneath_hu - wall.outermost_hu};
@@ -114,7 +114,7 @@ std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& sta
   double narrowest = 1e9;
   const int steps = 1 + static_cast<int>((walk_mm + start_beyond_mm) / step_mm);
   for (int step = 0; step < steps; ++step) {
-    const auto section = segment::section_at(scenery.blood, at, normal, search_mm);
+    const auto section = image::section_at(scenery.blood, at, normal, search_mm);
     if (!section || section->diameter_mm() > most_widening * narrowest) break;
     const bool first = stations.empty();  // may lie in the bifurcation, beside the artery's centre line
     if (!first && norm(section->centre_mm - at) > longest_jump_mm) break;
@@ -140,9 +140,9 @@ std::vector<Station> first_long_walk(const Scenery& scenery, const ValvePatch& s
 }
 
 /// Middle of the blood within a disc somewhat larger than the section.
-Vec3 blood_middle(const Scenery& scenery, const segment::Section& section, const Vec3& normal) {
+Vec3 blood_middle(const Scenery& scenery, const image::Section& section, const Vec3& normal) {
   constexpr double pixel_mm = 1.5, larger = 1.2;
-  const segment::PlaneFrame frame = segment::frame_across(normal);
+  const image::PlaneFrame frame = image::frame_across(normal);
   const double radius_mm = 0.5 * larger * section.diameter_mm();
   const auto reach = static_cast<int>(radius_mm / pixel_mm);
   Vec3 sum;
@@ -171,7 +171,7 @@ void go_on_within_a_disc(const Scenery& scenery, const Vec3& usual_mm, std::vect
   while (stations.back().section.diameter_mm() > slipped * narrowest) stations.pop_back();
   for (int step = 0; step < static_cast<int>(walk_mm / step_mm) && left_mm() > -beyond_mm; ++step) {
     const Station& last = stations.back();
-    segment::Section next{last.section.area_mm2, last.section.centre_mm - step_mm * last.normal};
+    image::Section next{last.section.area_mm2, last.section.centre_mm - step_mm * last.normal};
     next.centre_mm = blood_middle(scenery, next, last.normal);
     const Vec3 normal =
         normalized((1 - turn) * last.normal + turn * normalized(last.section.centre_mm - next.centre_mm));
@@ -299,7 +299,7 @@ ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage&
   valve.centre_mm = station.section.centre_mm;
   valve.normal = station.normal;
   valve.diameter_mm = station.section.diameter_mm();
-  if (const auto plane = segment::tightest_plane(scenery.blood, valve.centre_mm, valve.normal, 0)) {
+  if (const auto plane = image::tightest_plane(scenery.blood, valve.centre_mm, valve.normal, 0)) {
     valve.centre_mm = plane->section.centre_mm;
     valve.normal = plane->normal;
     valve.diameter_mm = plane->section.diameter_mm();
@@ -307,4 +307,4 @@ ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage&
   return valve;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -3,7 +3,7 @@
 #include "generator/landmarks/faint_right_heart.hpp"
 #include "generator/landmarks/valve_patch.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// Walks from the pulmonary artery upstream into the ventricle's outflow tract and puts the valve where the fat
 /// around the artery gives way to the muscle around the outflow tract. Where the right heart is `faint`, and its blood
@@ -14,4 +14,4 @@ ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage&
                                 const std::optional<FaintRightHeart>& faint, const ValvePatch& start,
                                 const std::optional<Vec3>& usual_mm);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "generator/image/components.hpp"
+#include "generator/image/flood.hpp"
+#include "generator/image/morphology.hpp"
 #include "generator/landmarks/valve_patch.hpp"
-#include "generator/segment/components.hpp"
-#include "generator/segment/flood.hpp"
-#include "generator/segment/morphology.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double streaks_hu = 60;         // noise gives 10 to 30, undiluted contrast 200 and more
@@ -39,8 +39,8 @@ Mask closed_right_heart(const LabelVolume& chambers, const Volume<float>& smooth
   const Mask others = mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
     return chambers.voxels[v] != 0 && chambers.voxels[v] != tag(Region::rv_blood);
   });
-  const Mask near_others = segment::dilate(others, wall_mm);
-  const Mask closed = segment::close(right, streak_mm);
+  const Mask near_others = image::dilate(others, wall_mm);
+  const Mask closed = image::close(right, streak_mm);
   return mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
     return right.voxels[v] || (closed.voxels[v] && !near_others.voxels[v] && chambers.voxels[v] == 0 &&
                                smooth.voxels[v] > darkest_streak_hu);
@@ -73,8 +73,8 @@ Region certain_chamber(const Frame& frame, const Vec3& p) {
 }
 
 /// Points that certainly belong to one chamber.
-std::vector<segment::Marker> certain_markers(const Volume<float>& depth, const Frame& frame) {
-  std::vector<segment::Marker> markers;
+std::vector<image::Marker> certain_markers(const Volume<float>& depth, const Frame& frame) {
+  std::vector<image::Marker> markers;
   std::size_t v = 0;
   for (std::int64_t k = 0; k < depth.grid.size[2]; ++k)
     for (std::int64_t j = 0; j < depth.grid.size[1]; ++j)
@@ -88,7 +88,7 @@ std::vector<segment::Marker> certain_markers(const Volume<float>& depth, const F
 
 /// A pulmonary artery that the field of view cuts near its valve, too near to be certain: what of the right heart's
 /// left half reaches the top of the image.
-void mark_cut_artery(const Volume<float>& depth, const Frame& frame, std::vector<segment::Marker>& markers) {
+void mark_cut_artery(const Volume<float>& depth, const Frame& frame, std::vector<image::Marker>& markers) {
   constexpr double least_towards_artery_mm = 2, most_towards_apex_mm = 12;
   const std::int64_t k = depth.grid.size[2] - 1;
   for (std::int64_t j = 0; j < depth.grid.size[1]; ++j)
@@ -102,13 +102,13 @@ void mark_cut_artery(const Volume<float>& depth, const Frame& frame, std::vector
 
 /// The component with most voxels beside the neighbour; where none touches it, the largest.
 Mask piece_beside(const Mask& all, const Mask& neighbour) {
-  const Mask beside = segment::dilate(neighbour, all.grid.spacing_mm.x);
-  const auto parts = segment::connected_components(all);
+  const Mask beside = image::dilate(neighbour, all.grid.spacing_mm.x);
+  const auto parts = image::connected_components(all);
   std::vector<std::int64_t> touching(parts.voxel_count.size(), 0);
   for (std::size_t v = 0; v < all.voxels.size(); ++v)
     if (all.voxels[v] && beside.voxels[v]) ++touching[static_cast<std::size_t>(parts.label.voxels[v])];
   const auto most = std::max_element(touching.begin(), touching.end());
-  if (*most == 0) return segment::largest_component(all);
+  if (*most == 0) return image::largest_component(all);
   const auto chosen = static_cast<std::int32_t>(most - touching.begin());
   return mask_where(all.grid, [&](const Vec3&, std::size_t v) { return parts.label.voxels[v] == chosen; });
 }
@@ -123,7 +123,7 @@ bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const
   const Frame frame = make_frame(chambers, axis);
   auto markers = certain_markers(depth, frame);
   mark_cut_artery(depth, frame, markers);
-  const auto parts = segment::flood_from_markers(right, depth, markers, segment::ValveBarrier(right.grid));
+  const auto parts = image::flood_from_markers(right, depth, markers, image::ValveBarrier(right.grid));
   for (std::size_t n = 0; n < right.voxels.size(); ++n)
     if (right.voxels[n]) chambers.voxels[n] = parts.voxels[n];
   return streaks;
@@ -135,12 +135,12 @@ void keep_main_pieces(LabelVolume& chambers) {
   for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood, Region::aorta,
                               Region::pulmonary_artery}) {
     const Mask all = region_mask(chambers, region);
-    const Mask kept = region == Region::aorta              ? segment::drop_small_components(all, least)
+    const Mask kept = region == Region::aorta              ? image::drop_small_components(all, least)
                       : region == Region::pulmonary_artery ? piece_beside(all, region_mask(chambers, Region::rv_blood))
-                                                           : segment::largest_component(all);
+                                                           : image::largest_component(all);
     for (std::size_t v = 0; v < all.voxels.size(); ++v)
       if (all.voxels[v] && !kept.voxels[v]) chambers.voxels[v] = 0;
   }
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/landmarks/long_axis.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// `chambers` holds the whole right heart as rv_blood; on return it holds rv_blood, ra_blood and pulmonary_artery.
 /// Streaks of undiluted contrast are closed first. Markers are placed in the left ventricle's frame,
@@ -13,4 +13,4 @@ bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const
 /// one beside the right ventricle: the neck's tissue, as grey as a faint vena cava, can be larger.
 void keep_main_pieces(LabelVolume& chambers);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

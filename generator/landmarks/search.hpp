@@ -6,7 +6,7 @@
 #include "generator/landmarks/landmarks.hpp"
 #include "model/error.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// Something was found that is no heart. What to check first depends on the image's header and field of view, which the
 /// place that throws does not know: it says what it suspects itself.
@@ -24,4 +24,4 @@ struct SearchResult {
 /// As find_landmarks.
 SearchResult search(const CtVolume& ct);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "generator/image/gaussian.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/gaussian.hpp"
 #include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr float bone_hu = 150, brightest_hu = 200;  // beyond, it is rather the aorta that is filled with contrast
@@ -103,7 +103,7 @@ Volume<float> vertebra_score(const Volume<float>& image, const Mask& lung) {
   Volume<float> bone(image.grid);
   for (std::size_t v = 0; v < bone.voxels.size(); ++v)
     bone.voxels[v] = image.voxels[v] > bone_hu ? std::min(image.voxels[v], brightest_hu) : 0;
-  bone = segment::gaussian(bone, vertebra_sigma_mm);
+  bone = image::gaussian(bone, vertebra_sigma_mm);
   std::size_t v = 0;
   for (std::int64_t k = 0; k < image.grid.size[2]; ++k)
     for (std::int64_t j = 0; j < image.grid.size[1]; ++j)
@@ -199,4 +199,4 @@ Vec3 Spine::at(double z_mm) const {
   return {x_mm[n], y_mm[n], z_mm};
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/landmarks/thorax.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// The brightest smooth path from the lowest to the highest slice, between the lungs and near their back, by dynamic
 /// programming over slices. `image` smoothed; `lung` on the same grid, not empty.
@@ -16,4 +16,4 @@ double share_unlike_spine(const Spine& spine, const Volume<float>& image, const 
 /// Where the spine would be of a patient whose heart is in the middle of an image that ends before the spine.
 Spine spine_behind(const Grid& grid);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

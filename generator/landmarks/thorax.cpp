@@ -4,15 +4,15 @@
 #include <cmath>
 #include <optional>
 
-#include "generator/landmarks/slices.hpp"
+#include "generator/image/components.hpp"
+#include "generator/image/convex_slices.hpp"
+#include "generator/image/morphology.hpp"
+#include "generator/image/slices.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/spine.hpp"
-#include "generator/landmarks/statistics.hpp"
-#include "generator/segment/components.hpp"
-#include "generator/segment/convex_slices.hpp"
-#include "generator/segment/morphology.hpp"
 #include "model/error.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr float lung_limit_hu = -500;      // half-way between lung (-850) and soft tissue
@@ -23,18 +23,18 @@ constexpr double chest_slice_mm2 = 2500;   // slices with less lung are below or
 constexpr double chest_margin_mm = 16;     // the heart's front lies outside the hull of the lungs
 
 /// Median grey value of the component's pixels among the slice's first `count`; 0 for none.
-double median_of(const Volume<float>& image, std::size_t slice, const segment::Components& pieces, std::int32_t label,
+double median_of(const Volume<float>& image, std::size_t slice, const image::Components& pieces, std::int32_t label,
                  std::size_t count) {
   std::vector<float> hu;
   for (std::size_t p = 0; p < count; ++p)
     if (pieces.label.voxels[p] == label) hu.push_back(image.voxels[slice + p]);
-  return median(hu);
+  return image::median(hu);
 }
 
 /// Lung sections of one slice: large, not as empty as the air outside, and not open to it at the front of the image, as
 /// what lies on the patient is.
 void mark_lung_slice(const Volume<float>& image, std::int64_t k, Mask& lung) {
-  const auto pieces = slice_components(image, k, [](float hu) { return hu < lung_limit_hu; });
+  const auto pieces = image::slice_components(image, k, [](float hu) { return hu < lung_limit_hu; });
   const double pixel_mm2 = image.grid.spacing_mm.x * image.grid.spacing_mm.y;
   const auto [nx, ny, nz] = image.grid.size;
   const std::size_t slice = static_cast<std::size_t>(k * nx * ny);
@@ -53,8 +53,8 @@ void mark_lung_slice(const Volume<float>& image, std::int64_t k, Mask& lung) {
 
 /// The two largest components: the lungs, whether or not they touch each other.
 Mask two_largest(const Mask& mask) {
-  const Mask first = segment::largest_component(mask);
-  return segment::unite(first, segment::largest_component(segment::subtract(mask, first)));
+  const Mask first = image::largest_component(mask);
+  return image::unite(first, image::largest_component(image::subtract(mask, first)));
 }
 
 /// Whether most slices that show lungs show them cut off at the back.
@@ -77,15 +77,15 @@ Thorax find_thorax(const Volume<float>& image) {
   Mask air(image.grid);
   for (std::int64_t k = 0; k < image.grid.size[2]; ++k) mark_lung_slice(image, k, air);
   Thorax thorax;
-  thorax.lung = two_largest(segment::open(air, opening_mm));
-  const Mask hull = segment::convex_slices(thorax.lung, chest_slice_mm2);
-  if (segment::count(hull) == 0)
+  thorax.lung = two_largest(image::open(air, opening_mm));
+  const Mask hull = image::convex_slices(thorax.lung, chest_slice_mm2);
+  if (image::count(hull) == 0)
     throw UserError("no lungs are in the image: the heart cannot be found without them", "landmarks",
                     "give the seeds lv_blood, rv_blood, la_blood, ra_blood and the valve planes by hand");
-  thorax.chest = segment::dilate(hull, chest_margin_mm);
+  thorax.chest = image::dilate(hull, chest_margin_mm);
   thorax.spine = find_spine(image, thorax.lung);
   thorax.back_is_cut = ends_in_lung(thorax.lung);
   return thorax;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

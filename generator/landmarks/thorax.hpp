@@ -4,7 +4,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// The centre line of the vertebral bodies, one point per slice of a grid along the LPS axes.
 struct Spine {
@@ -26,4 +26,4 @@ struct Thorax {
 /// `image` is smoothed and coarse (3 mm): nothing here needs detail. Throws UserError where there are no lungs.
 Thorax find_thorax(const Volume<float>& image);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -5,12 +5,12 @@
 #include <numbers>
 #include <vector>
 
-#include "generator/landmarks/slices.hpp"
+#include "generator/image/slices.hpp"
 #include "generator/landmarks/working_image.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr float air_limit_hu = -600;                              // partial volume of a tube 15 mm wide stays above
@@ -30,7 +30,7 @@ struct Moments {
   bool at_border = false;
 };
 
-std::vector<Moments> moments_of(const segment::Components& pieces, const Grid& grid, std::int64_t k) {
+std::vector<Moments> moments_of(const image::Components& pieces, const Grid& grid, std::int64_t k) {
   std::vector<Moments> moments(pieces.voxel_count.size());
   const auto [nx, ny, nz] = grid.size;
   std::size_t p = 0;
@@ -51,7 +51,7 @@ std::vector<Moments> moments_of(const segment::Components& pieces, const Grid& g
 }
 
 std::vector<Disc> discs_of_slice(const Volume<float>& hu, std::int64_t k) {
-  const auto pieces = slice_components(hu, k, [](float v) { return v < air_limit_hu; });
+  const auto pieces = image::slice_components(hu, k, [](float v) { return v < air_limit_hu; });
   const double pixel_mm2 = hu.grid.spacing_mm.x * hu.grid.spacing_mm.y;
   std::vector<Disc> discs;
   for (const Moments& m : moments_of(pieces, hu.grid, k)) {
@@ -146,4 +146,4 @@ std::optional<Vec3> find_trachea(const Volume<float>& hu, const Spine& spine) {
   return (*best)[best->size() / 2].centre_mm;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -4,9 +4,9 @@
 
 #include "generator/landmarks/thorax.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// A point on the centre line of the trachea; nothing where no chain of discs is long and central enough.
 std::optional<Vec3> find_trachea(const Volume<float>& hu, const Spine& spine);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

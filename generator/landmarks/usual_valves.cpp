@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "generator/anatomy/faint_blood.hpp"
+#include "generator/image/sections.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/faint_blood.hpp"
-#include "generator/segment/sections.hpp"
 #include "model/labels.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 // In the frame of the left heart's base, mm and parts: means over hearts in two CTs and the phantom, which lie within
@@ -58,11 +58,11 @@ std::optional<ValvePatch> narrowest_tricuspid(const LabelVolume& chambers, const
   const Mask lv = mask_where(hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::lv_blood); });
   const Mask other =
       mask_where(hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::la_blood) || is(v, Region::aorta); });
-  const auto walls = segment::measure_walls(hu, lv, other, muscle_hu);
-  Volume<float> cavity = segment::usual_cavity(walls, Mask(hu.grid, 1));
+  const auto walls = anatomy::measure_walls(hu, lv, other, muscle_hu);
+  Volume<float> cavity = anatomy::usual_cavity(walls, Mask(hu.grid, 1));
   for (float& inside : cavity.voxels)  // 1 inside, 0 outside, half-way at the wall
     inside = std::clamp(inside / static_cast<float>(working_spacing_mm) + 0.5F, 0.0F, 1.0F);
-  const auto plane = segment::tightest_plane(cavity, usual.centre_mm, usual.normal, reach_mm);
+  const auto plane = image::tightest_plane(cavity, usual.centre_mm, usual.normal, reach_mm);
   if (!plane) return std::nullopt;
   ValvePatch valve = usual;
   valve.centre_mm = plane->section.centre_mm;
@@ -70,4 +70,4 @@ std::optional<ValvePatch> narrowest_tricuspid(const LabelVolume& chambers, const
   return valve;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -4,7 +4,7 @@
 #include "generator/landmarks/long_axis.hpp"
 #include "generator/landmarks/valve_patch.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// Where the tricuspid valve usually lies: to the right of the line from mitral to aortic valve, the aortic root
 /// wedged between the two, nearer to the apex by some millimetres, and turned to the right of the long axis.
@@ -19,4 +19,4 @@ Vec3 usual_pulmonary_mm(const ValvePatch& mitral, const ValvePatch& aortic, cons
 std::optional<ValvePatch> narrowest_tricuspid(const LabelVolume& chambers, const Volume<float>& hu, double muscle_hu,
                                               const ValvePatch& usual);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

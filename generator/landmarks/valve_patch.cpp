@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <numbers>
 
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/contact.hpp"
-#include "generator/landmarks/statistics.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr std::size_t fewest_faces = 5;
@@ -42,12 +42,12 @@ std::optional<ValvePatch> find_valve_patch(const LabelVolume& chambers, Region v
   points.reserve(members.size());
   for (const auto n : members) points.push_back(contact.points[n]);
   ValvePatch patch;
-  patch.centre_mm = mean(points);
+  patch.centre_mm = image::mean(points);
   patch.normal = normalized(contact.area_mm2);
   patch.diameter_mm = 2 * std::sqrt(norm(contact.area_mm2) / std::numbers::pi);
-  patch.uneven_mm = principal_axes(points).deviation[2];
+  patch.uneven_mm = image::principal_axes(points).deviation[2];
   patch.share = static_cast<double>(points.size()) / static_cast<double>(contact.points.size());
   return patch;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -5,7 +5,7 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 struct ValvePatch {
   Vec3 centre_mm;
@@ -19,4 +19,4 @@ struct ValvePatch {
 /// The largest connected part of the contact between two regions; nothing where they hardly touch.
 std::optional<ValvePatch> find_valve_patch(const LabelVolume& chambers, Region ventricle, Region beyond);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -1,14 +1,14 @@
 #include "generator/landmarks/valves.hpp"
 
+#include "generator/image/sections.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/divide_at_plane.hpp"
 #include "generator/landmarks/orifice.hpp"
 #include "generator/landmarks/pulmonary_valve.hpp"
-#include "generator/landmarks/statistics.hpp"
 #include "generator/landmarks/usual_valves.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/sections.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 Volume<float> blood_of(const LabelVolume& chambers, Region a, Region b) {
@@ -31,7 +31,7 @@ Vec3 root_direction(const LabelVolume& chambers, Region vessel, const ValvePatch
     if (norm(q) < longest_mm + wide_mm) offsets.push_back(q);
   });
   if (first.empty()) return valve.normal;
-  Vec3 direction = normalized(mean(first));
+  Vec3 direction = normalized(image::mean(first));
   for (int round = 0; round < rounds; ++round) {
     std::vector<std::vector<Vec3>> slice(slices);
     for (const Vec3& q : offsets) {
@@ -41,9 +41,9 @@ Vec3 root_direction(const LabelVolume& chambers, Region vessel, const ValvePatch
     }
     std::vector<Vec3> centres;
     for (const auto& s : slice)
-      if (s.size() > fewest_voxels) centres.push_back(mean(s));
+      if (s.size() > fewest_voxels) centres.push_back(image::mean(s));
     if (centres.size() < fewest_slices) break;
-    const Vec3 line = principal_axes(centres).axis[0];
+    const Vec3 line = image::principal_axes(centres).axis[0];
     direction = dot(line, direction) < 0 ? -line : line;
   }
   return direction;
@@ -60,7 +60,7 @@ void tighten(const LabelVolume& chambers, Region ventricle, Region beyond, int r
   constexpr double reach_mm = 6;
   const auto blood = blood_of(chambers, ventricle, beyond);
   for (int round = 0; round < rounds; ++round) {
-    const auto plane = segment::tightest_plane(blood, valve.centre_mm, valve.normal, reach_mm);
+    const auto plane = image::tightest_plane(blood, valve.centre_mm, valve.normal, reach_mm);
     if (!plane) return;
     valve.centre_mm = plane->section.centre_mm;
     valve.normal = plane->normal;
@@ -83,7 +83,7 @@ void settle(LabelVolume& chambers, Region ventricle, Region beyond, ValvePatch& 
 bool lies_as_usual(const ValvePatch& valve, const ValvePatch& usual) {
   constexpr double farthest_mm = 20, most_turned_deg = 40;
   return norm(valve.centre_mm - usual.centre_mm) <= farthest_mm &&
-         angle_deg(valve.normal, usual.normal) <= most_turned_deg;
+         image::angle_deg(valve.normal, usual.normal) <= most_turned_deg;
 }
 
 /// The tightest plane near the flood's border, or near the usual place if that is clearly tighter. In a crooked or
@@ -169,4 +169,4 @@ std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const Worki
   return valves;
 }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -6,7 +6,7 @@
 #include "generator/landmarks/faint_right_heart.hpp"
 #include "generator/landmarks/valve_patch.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// How the right heart shows in the image.
 struct RightHeartLook {
@@ -20,4 +20,4 @@ struct RightHeartLook {
 std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const WorkingImage& image, const LongAxis& axis,
                                               const RightHeartLook& right);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "generator/image/distance.hpp"
+#include "generator/image/gaussian.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/distance.hpp"
-#include "generator/segment/gaussian.hpp"
 #include "model/error.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr float outside_hu = -150;  // no air: lungs that the field of view of a slanted grid cuts do not open into it
@@ -64,7 +64,7 @@ WorkingImage make_working_image(const CtVolume& ct) {
   Volume<float> source = as_float(ct);
   const double finest = std::min({ct.grid.spacing_mm.x, ct.grid.spacing_mm.y, ct.grid.spacing_mm.z});
   const double sigma = antialias_per_mm * (working_spacing_mm - finest);
-  if (sigma > 0) source = segment::gaussian(source, sigma);
+  if (sigma > 0) source = image::gaussian(source, sigma);
   WorkingImage image;
   image.hu = Volume<float>(grid, outside_hu);
   parallel::parallel_for(0, grid.size[2], [&](std::int64_t begin, std::int64_t end) {
@@ -75,7 +75,7 @@ WorkingImage make_working_image(const CtVolume& ct) {
           if (inside(source.grid, index)) image.hu(i, j, k) = static_cast<float>(sample_linear(source, index));
         }
   });
-  image.smooth = segment::gaussian(image.hu, noise_sigma_mm);
+  image.smooth = image::gaussian(image.hu, noise_sigma_mm);
   return image;
 }
 
@@ -90,6 +90,6 @@ Volume<float> thinned(const Volume<float>& image, std::int64_t step) {
   return result;
 }
 
-Volume<float> depth_of(const Mask& mask) { return segment::distance_to(inverse(mask)); }
+Volume<float> depth_of(const Mask& mask) { return image::distance_to(inverse(mask)); }
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -6,7 +6,7 @@
 #include "model/crop.hpp"
 #include "model/volume.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 
 /// Spacing of the working grid: fine enough for the atrial walls and valve planes (2 mm and more), coarse enough for
 /// the whole search to take seconds.
@@ -67,4 +67,4 @@ inline Mask inverse(const Mask& mask) {
 /// Distance (mm) to the nearest unset voxel, 0 outside the mask.
 Volume<float> depth_of(const Mask& mask);
 
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -11,7 +11,7 @@
 #include "generator/mesh/surfaces.hpp"
 #include "model/labels.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr double spacing_per_edge = 0.8;
@@ -255,4 +255,4 @@ void label_border_faces(TetMesh& mesh, const Grid& grid) {
     }
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -10,7 +10,7 @@
 #include "generator/mesh/domain.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 constexpr std::int32_t beyond_border = 32;  ///< added to a region's tag in the layer around the image
 
@@ -34,4 +34,4 @@ std::int64_t flatten_border(const Grid& grid, std::vector<Vec3>& nodes_mm, const
 /// Gives outer faces that lie in a plane of the border, whatever they met there, the surface fov_cut.
 void label_border_faces(TetMesh& mesh, const Grid& grid);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

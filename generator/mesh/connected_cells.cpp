@@ -4,7 +4,7 @@
 
 #include "generator/parallel/threads.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 Changes mixed_nodes(const Tetrahedra& t) {
@@ -30,9 +30,9 @@ std::int32_t Tetrahedra::across_among(std::span<const std::int32_t> star, std::i
 }
 
 Tetrahedra connect(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells, std::vector<std::int32_t>& label) {
-  Tetrahedra t{&nodes, &cells, &label, lattice::stars_of(nodes.size(), cells), {}};
+  Tetrahedra t{&nodes, &cells, &label, tetmesh::stars_of(nodes.size(), cells), {}};
   t.is_mixed = mixed_nodes(t);
   return t;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

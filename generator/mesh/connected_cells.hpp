@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "generator/lattice/stars.hpp"
+#include "generator/tetmesh/stars.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 inline bool has(const Cell& cell, std::int32_t n) {
   return cell[0] == n || cell[1] == n || cell[2] == n || cell[3] == n;
@@ -26,7 +26,7 @@ struct Tetrahedra {
   const std::vector<Vec3>* nodes;
   const std::vector<Cell>* cells;
   std::vector<std::int32_t>* label;
-  lattice::Stars stars;
+  tetmesh::Stars stars;
   Changes is_mixed;  // nodes that several labels may meet
 
   std::int32_t label_of(std::int32_t cell) const { return (*label)[static_cast<std::size_t>(cell)]; }
@@ -55,4 +55,4 @@ struct Tetrahedra {
 /// All must outlive the result.
 Tetrahedra connect(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells, std::vector<std::int32_t>& label);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

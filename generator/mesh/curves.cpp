@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 double ball_radius(const std::vector<CurvePoint>& points, std::size_t self) {
@@ -44,4 +44,4 @@ std::vector<adapters::CurveBall> balls_along(const std::vector<CurvePoint>& samp
   return balls;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -5,7 +5,7 @@
 #include "generator/adapters/cgal_mesher.hpp"
 #include "model/vec.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// A point of a curve and the wanted distance to its neighbours on it.
 struct CurvePoint {
@@ -17,4 +17,4 @@ struct CurvePoint {
 /// balls of neighbours overlap, except where a closed curve's ends meet badly.
 std::vector<adapters::CurveBall> balls_along(const std::vector<CurvePoint>& samples);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

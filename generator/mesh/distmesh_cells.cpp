@@ -3,17 +3,16 @@
 #include <algorithm>
 
 #include "generator/distmesh/tetrahedra.hpp"
-#include "generator/lattice/balance.hpp"
-#include "generator/lattice/separate.hpp"
-#include "generator/lattice/stuff.hpp"
+#include "generator/stuffing/isosurface_stuffing.hpp"
+#include "generator/surface_fit/self_intersections.hpp"
+#include "generator/surface_fit/volume_correction.hpp"
 
-namespace heart::mesh {
-adapters::LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
-                                       std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
-                                       LatticeReport* report) {
+namespace heartgen::mesh {
+LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
+                             std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells, LatticeReport* report) {
   StepWatch watch{report};
   const auto materials = materials_of(domain, sizes_mm);
-  auto complex = lattice::stuff(materials, {});
+  auto complex = stuffing::stuff(materials, {});
   settle(complex, manifold_sets, crumb_cells);
   watch.note("stuff");
   auto relaxing = distmesh::usual_settings(distmesh::Dimension::three);
@@ -24,15 +23,15 @@ adapters::LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<fl
   complex = distmesh::complex_of(truss, materials);
   settle(complex, manifold_sets, crumb_cells);
   watch.note("settle");
-  const lattice::RepairSettings settings;
+  const tetmesh::RepairSettings settings;
   const auto below = repair_on_curves(complex, materials, settings);
   watch.note("repair");
-  lattice::balance_surfaces(complex, materials, settings.least);
-  lattice::separate_sheets(complex, settings.least);
-  lattice::compress(complex);
+  surface_fit::balance_surfaces(complex, materials, settings.least);
+  surface_fit::separate_sheets(complex, settings.least);
+  tetmesh::compress(complex);
   watch.note("balance");
   if (report != nullptr) report->cells_below_goal = below;
   return collect(complex, domain.grid);
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -3,11 +3,11 @@
 #pragma once
 #include "generator/mesh/lattice_cells.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// Cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat. `manifold_sets` as in settle_labels.
-adapters::LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
-                                       std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
-                                       LatticeReport* report = nullptr);
+LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
+                             std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
+                             LatticeReport* report = nullptr);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

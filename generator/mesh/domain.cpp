@@ -6,7 +6,7 @@
 
 #include "generator/parallel/threads.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 using Shares = std::array<float, label_count>;
@@ -307,4 +307,4 @@ HeartShares heart_shares(const MeshDomain& domain, const Vec3& index) {
   return shares;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -18,7 +18,7 @@
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 constexpr std::size_t label_count = 18;
 
@@ -81,4 +81,4 @@ HeartShares heart_shares(const MeshDomain& domain, const Vec3& index);
 int equations_at(const MeshDomain& domain, std::uint32_t labels, const Vec3& index,
                  std::span<SurfaceEquation> equations);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

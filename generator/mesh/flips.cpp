@@ -8,7 +8,7 @@
 
 #include "generator/mesh/quality.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr std::size_t longest_ring = 8;
@@ -205,4 +205,4 @@ std::int64_t flip_bad_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>
   return total;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

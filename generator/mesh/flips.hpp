@@ -7,7 +7,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// Works on cells with labels 1 to first_dropped_label - 1 whose smallest sine of a dihedral angle is below `goal`.
 /// An exchange is made only if it raises the worst cell concerned. New cells come at the end, in a fixed order.
@@ -15,4 +15,4 @@ namespace heart::mesh {
 std::int64_t flip_bad_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells,
                             std::vector<std::int32_t>& label, std::int32_t first_dropped_label, double goal);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

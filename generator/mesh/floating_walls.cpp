@@ -5,7 +5,7 @@
 
 #include "generator/mesh/connected_cells.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr double min_share = 0.02;  // of the walls' volume: a part of a heart, no crumb of the mesher
@@ -87,4 +87,4 @@ std::int64_t absorb_floating_walls(const std::vector<Vec3>& nodes_mm, const std:
   return changed;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -6,7 +6,7 @@
 #include "generator/mesh/settle_labels.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// Cells of `walls` that share no node with the largest piece take the one label that they touch most of what is no
 /// wall, 0 outside included. A piece of 2 % of the walls' volume or more stays: left and right heart need not touch.
@@ -14,4 +14,4 @@ namespace heart::mesh {
 std::int64_t absorb_floating_walls(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
                                    std::vector<std::int32_t>& label, const LabelSet& walls);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -16,7 +16,7 @@
 #include "model/mathematics.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 using Corners = std::array<Vec3, 4>;
@@ -253,4 +253,4 @@ void sort_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std
   for (std::size_t c = 0; c < cells.size(); ++c) std::tie(cells[c], label[c]) = sorted[c];
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -5,7 +5,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 struct ImproveSettings {
   double goal_deg = 18;        ///< cells with a dihedral angle below this, or above 180 minus this, are worked on
@@ -28,4 +28,4 @@ void improve(std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<
 /// ascending.
 void sort_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells, std::vector<std::int32_t>& label);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -4,22 +4,22 @@
 #include <array>
 #include <limits>
 
-#include "generator/lattice/balance.hpp"
-#include "generator/lattice/delicate.hpp"
-#include "generator/lattice/draw.hpp"
-#include "generator/lattice/ease.hpp"
-#include "generator/lattice/feature.hpp"
-#include "generator/lattice/fit.hpp"
-#include "generator/lattice/lay.hpp"
-#include "generator/lattice/place.hpp"
-#include "generator/lattice/quality.hpp"
-#include "generator/lattice/refine.hpp"
-#include "generator/lattice/rescue.hpp"
-#include "generator/lattice/separate.hpp"
-#include "generator/lattice/stuff.hpp"
 #include "generator/mesh/size_field.hpp"
+#include "generator/stuffing/background_lattice.hpp"
+#include "generator/stuffing/isosurface_stuffing.hpp"
+#include "generator/stuffing/refine.hpp"
+#include "generator/stuffing/under_resolved.hpp"
+#include "generator/surface_fit/feature_projection.hpp"
+#include "generator/surface_fit/self_intersections.hpp"
+#include "generator/surface_fit/surface_fitting.hpp"
+#include "generator/surface_fit/tangential_relaxation.hpp"
+#include "generator/surface_fit/volume_correction.hpp"
+#include "generator/tetmesh/cavity.hpp"
+#include "generator/tetmesh/feature.hpp"
+#include "generator/tetmesh/quality.hpp"
+#include "generator/tetmesh/remesh_worst.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 /// Continuous index of a position in mm along the grid's axes, voxel (0, 0, 0) at the origin.
@@ -29,9 +29,9 @@ Vec3 index_of(const Grid& grid, const Vec3& p) {
 
 }  // namespace
 
-lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes) {
+tetmesh::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes) {
   const Grid& grid = domain.grid;
-  lattice::Materials materials;
+  tetmesh::Materials materials;
   for (int axis = 0; axis < 3; ++axis) {
     materials.box_min_mm[axis] = -0.5 * grid.spacing_mm[axis];
     materials.box_max_mm[axis] =
@@ -41,8 +41,8 @@ lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& s
   materials.edge_mm = [&domain, &sizes](const Vec3& p) {
     return edge_at(sizes, lps_from_index(domain.grid, index_of(domain.grid, p)));
   };
-  materials.equations_at = [&domain](lattice::LabelBits labels, const Vec3& p, std::span<lattice::Equation> equations) {
-    std::array<SurfaceEquation, lattice::most_equations> found;
+  materials.equations_at = [&domain](tetmesh::LabelBits labels, const Vec3& p, std::span<tetmesh::Equation> equations) {
+    std::array<SurfaceEquation, tetmesh::most_equations> found;
     const auto wanted = std::span(found).first(equations.size());
     const int count = equations_at(domain, labels, index_of(domain.grid, p), wanted);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
@@ -59,18 +59,18 @@ void StepWatch::note(const std::string& step) {
   last = now;
 }
 
-std::int64_t repair_on_curves(lattice::Complex& complex, const lattice::Materials& materials,
-                              const lattice::RepairSettings& settings) {
-  lattice::draw_to_curves(complex, materials, lattice::StuffSettings{}.least_quality);
-  const auto below_goal = lattice::repair(complex, materials, settings);
-  lattice::draw_to_curves(complex, materials, settings.least);
+std::int64_t repair_on_curves(tetmesh::Complex& complex, const tetmesh::Materials& materials,
+                              const tetmesh::RepairSettings& settings) {
+  surface_fit::draw_to_curves(complex, materials, stuffing::StuffSettings{}.least_quality);
+  const auto below_goal = tetmesh::repair(complex, materials, settings);
+  surface_fit::draw_to_curves(complex, materials, settings.least);
   return below_goal;
 }
 
 namespace {
 
 // Cells of the outside are still there. Tells which have another label now.
-std::vector<std::uint8_t> settle_cells(lattice::Complex& complex, std::span<const LabelSet> manifold_sets,
+std::vector<std::uint8_t> settle_cells(tetmesh::Complex& complex, std::span<const LabelSet> manifold_sets,
                                        std::int64_t crumb_cells) {
   std::vector<std::int32_t> label(complex.label.begin(), complex.label.end());
   settle_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
@@ -79,33 +79,33 @@ std::vector<std::uint8_t> settle_cells(lattice::Complex& complex, std::span<cons
     is_changed[c] = label[c] != complex.label[c];
     complex.label[c] = static_cast<std::uint8_t>(label[c]);
   }
-  lattice::derive_touches(complex);
+  tetmesh::derive_touches(complex);
   return is_changed;
 }
 
 }  // namespace
 
-bool are_few_below(const lattice::Complex& c, double enough, int most) {
+bool are_few_below(const tetmesh::Complex& c, double enough, int most) {
   constexpr double least_deg = 26, greatest_deg = 145;
   int below = 0;
   for (std::size_t t = 0; t < c.cells.size(); ++t) {
     const auto& cell = c.cells[t];
     if (cell[0] < 0 || static_cast<double>(c.quality[t]) >= enough) continue;
-    const auto range = lattice::dihedral_range_deg({c.at(cell[0]), c.at(cell[1]), c.at(cell[2]), c.at(cell[3])});
+    const auto range = tetmesh::dihedral_range_deg({c.at(cell[0]), c.at(cell[1]), c.at(cell[2]), c.at(cell[3])});
     if (++below > most || range[0] < least_deg || range[1] > greatest_deg) return false;
   }
   return true;
 }
 
-void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
+void settle(tetmesh::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells) {
   settle_cells(complex, manifold_sets, crumb_cells);
-  lattice::compress(complex);
+  tetmesh::compress(complex);
 }
 
 namespace {
 
 struct Attempt {
-  lattice::Complex complex;
+  tetmesh::Complex complex;
   std::int64_t below_goal = 0;
   std::int64_t meeting = std::numeric_limits<std::int64_t>::max();  // pairs of outer faces that pass through each other
   double worst = -1;                                                // quality
@@ -119,19 +119,19 @@ bool is_better(const Attempt& a, const Attempt& b) {
 
 /// What every attempt at a mesh is told.
 struct Task {
-  lattice::Materials materials;  // with spots where edges as wanted were too long
-  lattice::WantedLevels wanted;
+  tetmesh::Materials materials;  // with spots where edges as wanted were too long
+  stuffing::WantedLevels wanted;
   std::span<const LabelSet> manifold_sets;
   std::int64_t crumb_cells;
   LatticeAims aims;
-  lattice::RepairSettings repairing;
+  tetmesh::RepairSettings repairing;
   StepWatch* watch;
 };
 
-std::vector<Vec3> places_of_meeting(const lattice::Complex& c) {
-  const auto faces = lattice::outer_faces(c);
+std::vector<Vec3> places_of_meeting(const tetmesh::Complex& c) {
+  const auto faces = surface_fit::outer_faces(c);
   std::vector<Vec3> places;
-  for (const auto& [one, other] : lattice::meeting_faces(c.nodes_mm, faces)) {
+  for (const auto& [one, other] : surface_fit::meeting_faces(c.nodes_mm, faces)) {
     const auto& face = faces[static_cast<std::size_t>(one)];
     places.push_back((c.at(face[0]) + c.at(face[1]) + c.at(face[2])) / 3);
   }
@@ -141,43 +141,43 @@ std::vector<Vec3> places_of_meeting(const lattice::Complex& c) {
 void finish(Attempt& made, const Task& task) {
   auto& c = made.complex;
   const auto& materials = task.materials;
-  lattice::rescue(c, materials, task.repairing, kept_quality, lattice::OnFailure::go_on);
+  tetmesh::rescue(c, materials, task.repairing, kept_quality, tetmesh::OnFailure::go_on);
   task.watch->note("polish");
-  lattice::ease_faces(c, materials, task.repairing.least, task.aims.fitted);
+  surface_fit::ease_faces(c, materials, task.repairing.least, task.aims.fitted);
   task.watch->note("ease");
-  lattice::FitSettings fitting;
+  surface_fit::FitSettings fitting;
   fitting.labels = task.aims.fitted;
-  lattice::fit_faces(c, materials, task.repairing, fitting);
+  surface_fit::fit_faces(c, materials, task.repairing, fitting);
   task.watch->note("fit");
-  lattice::even_out_volumes(c, materials, task.repairing.least);
+  surface_fit::even_out_volumes(c, materials, task.repairing.least);
   task.watch->note("even out");
-  made.meeting = lattice::separate_sheets(c, task.repairing.least);
-  lattice::drop_unused(c);
-  lattice::connect_stars(c);
+  made.meeting = surface_fit::separate_sheets(c, task.repairing.least);
+  tetmesh::drop_unused(c);
+  tetmesh::connect_stars(c);
   task.watch->note("separate");
   made.is_finished = true;
 }
 
 // Adds spots where labels do not fit into a lattice; whether there are any. Only its delicate part is stuffed for that.
-bool find_spots(Task& task, const lattice::Lattice& lattice, const lattice::StuffSettings& stuffing) {
-  const auto part = lattice::delicate_part(lattice);
-  auto complex = lattice::stuff(task.materials, part.lattice, stuffing);
+bool find_spots(Task& task, const stuffing::Lattice& lattice, const stuffing::StuffSettings& stuffing) {
+  const auto part = stuffing::delicate_part(lattice);
+  auto complex = stuffing::stuff(task.materials, part.lattice, stuffing);
   const auto is_changed = settle_cells(complex, task.manifold_sets, task.crumb_cells);
-  auto strays = lattice::far_strays(complex, task.materials, task.aims.fitted, is_changed);
-  std::erase_if(strays, [&](const Vec3& p) { return !lattice::is_in_core(part, p); });
-  return lattice::add_spots(task.materials, strays, 1);
+  auto strays = stuffing::far_strays(complex, task.materials, task.aims.fitted, is_changed);
+  std::erase_if(strays, [&](const Vec3& p) { return !stuffing::is_in_core(part, p); });
+  return stuffing::add_spots(task.materials, strays, 1);
 }
 
-lattice::Complex stuff_and_settle(Task& task, double reach) {
-  lattice::StuffSettings stuffing;
+tetmesh::Complex stuff_and_settle(Task& task, double reach) {
+  stuffing::StuffSettings stuffing;
   stuffing.edge_reach = reach;
-  auto lattice = lattice::lay_lattice(task.materials, task.wanted);
+  auto lattice = stuffing::lay_lattice(task.materials, task.wanted);
   if (task.aims.refines && task.materials.spots.empty()) {
     const bool is_refined = find_spots(task, lattice, stuffing);
     task.watch->note("find spots");
-    if (is_refined) lattice = lattice::lay_lattice(task.materials, task.wanted);
+    if (is_refined) lattice = stuffing::lay_lattice(task.materials, task.wanted);
   }
-  auto complex = lattice::stuff(task.materials, lattice, stuffing);
+  auto complex = stuffing::stuff(task.materials, lattice, stuffing);
   task.watch->note("stuff");
   settle(complex, task.manifold_sets, task.crumb_cells);
   task.watch->note("settle");
@@ -192,16 +192,16 @@ Attempt attempt(Task& task, double reach) {
   Attempt made{stuff_and_settle(task, reach)};
   made.below_goal = repair_on_curves(made.complex, materials, task.repairing);
   watch.note("repair");
-  lattice::balance_surfaces(made.complex, materials, task.repairing.least);
+  surface_fit::balance_surfaces(made.complex, materials, task.repairing.least);
   watch.note("balance");
-  const auto on_failure = task.aims.tolerated > 0 ? lattice::OnFailure::go_on : lattice::OnFailure::stop;
-  lattice::rescue(made.complex, materials, task.repairing, task.aims.enough, on_failure);
+  const auto on_failure = task.aims.tolerated > 0 ? tetmesh::OnFailure::go_on : tetmesh::OnFailure::stop;
+  tetmesh::rescue(made.complex, materials, task.repairing, task.aims.enough, on_failure);
   made.is_good_enough = are_few_below(made.complex, task.aims.enough, task.aims.tolerated);
   watch.note("rescue");
-  made.meeting = lattice::separate_gently(made.complex, task.repairing.least);
+  made.meeting = surface_fit::separate_gently(made.complex, task.repairing.least);
   watch.note("separate");
   if (made.is_good_enough) finish(made, task);
-  made.worst = lattice::worst_quality(made.complex);
+  made.worst = tetmesh::worst_quality(made.complex);
   return made;
 }
 
@@ -209,29 +209,29 @@ Attempt attempt(Task& task, double reach) {
 // reach gives other ones. And where sheets meet, edges become shorter.
 constexpr std::array reaches{0.5, 0.42, 0.36};
 
-lattice::LabelBits heart_bits() {
-  lattice::LabelBits bits = 0;
+tetmesh::LabelBits heart_bits() {
+  tetmesh::LabelBits bits = 0;
   for (const auto& row : region_table())
     if (const auto region = static_cast<Region>(row.tag); is_myocardium(region) || is_blood(region))
-      bits |= lattice::bit_of(row.tag);
+      bits |= tetmesh::bit_of(row.tag);
   return bits;
 }
 
 }  // namespace
 
-adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& grid) {
-  adapters::LabelledCells result;
+LabelledCells collect(const tetmesh::Complex& complex, const Grid& grid) {
+  LabelledCells result;
   for (const auto& p : complex.nodes_mm) result.nodes_mm.push_back(lps_from_index(grid, index_of(grid, p)));
   result.cells = complex.cells;
   result.label.assign(complex.label.begin(), complex.label.end());
-  for (const auto bits : complex.touches) result.is_on_surface.push_back(lattice::is_constrained(bits) ? 1 : 0);
+  for (const auto bits : complex.touches) result.is_on_surface.push_back(tetmesh::is_constrained(bits) ? 1 : 0);
   return result;
 }
 
-lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
+tetmesh::Complex lattice_complex(const tetmesh::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report, const LatticeAims& aims) {
   StepWatch watch{report};
-  Task task{materials, lattice::wanted_levels(materials), manifold_sets, crumb_cells, aims, {}, &watch};
+  Task task{materials, stuffing::wanted_levels(materials), manifold_sets, crumb_cells, aims, {}, &watch};
   Attempt best;
   const auto is_enough_with = [&](double reach) {
     auto made = attempt(task, reach);
@@ -246,7 +246,7 @@ lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<
     is_enough = is_enough_with(reaches[0]);
   }
   for (std::size_t i = 1; i < reaches.size() && !is_enough; ++i) {
-    lattice::add_spots(task.materials, places_of_meeting(best.complex), 2);
+    stuffing::add_spots(task.materials, places_of_meeting(best.complex), 2);
     is_enough = is_enough_with(reaches[i]);
   }
   if (!best.is_finished) finish(best, task);
@@ -254,9 +254,8 @@ lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<
   return std::move(best.complex);
 }
 
-adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
-                                      std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
-                                      LatticeReport* report) {
+LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
+                            std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells, LatticeReport* report) {
   const auto materials = materials_of(domain, sizes_mm);
   LatticeAims aims;
   aims.fitted = heart_bits();  // the body's edges are too coarse for its creases
@@ -264,4 +263,4 @@ adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<flo
   return collect(lattice_complex(materials, manifold_sets, crumb_cells, report, aims), domain.grid);
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "generator/adapters/cgal_mesher.hpp"
-#include "generator/lattice/complex.hpp"
-#include "generator/lattice/repair.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/settle_labels.hpp"
+#include "generator/tetmesh/complex.hpp"
+#include "generator/tetmesh/repair.hpp"
+#include "model/labelled_cells.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// What one run of the mesher took and gave, for benchmarks and those who wait.
 struct LatticeReport {
@@ -38,7 +38,7 @@ constexpr double kept_quality = 0.5116;
 /// What the mesh is made for.
 struct LatticeAims {
   double enough = 0.4885;           ///< quality: where no cell is below, nothing is tried again: angles in [29, 145]
-  lattice::LabelBits fitted = ~0U;  ///< surfaces of these are followed closely everywhere (lattice/fit.hpp)
+  tetmesh::LabelBits fitted = ~0U;  ///< surfaces of these are followed closely everywhere (lattice/fit.hpp)
   int tolerated = 0;                ///< nor where it is only so many (are_few_below)
   bool refines = false;  ///< where labels do not fit into the lattice, edges become shorter: for surfaces that are
                          ///< smooth, else too much does not fit
@@ -48,30 +48,30 @@ constexpr LatticeAims one_material{kept_quality, ~0U, 0, true};
 
 /// Whether at most so many cells are below a quality, and all of their angles are in [26, 145] degrees: where several
 /// materials meet a few cells resist, and to make everything anew for these is not worth it.
-bool are_few_below(const lattice::Complex& complex, double enough, int most);
+bool are_few_below(const tetmesh::Complex& complex, double enough, int most);
 
 /// The domain as materials, in mm along the axes of its grid. Both must outlive the result.
-lattice::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes_mm);
+tetmesh::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes_mm);
 
 /// Gives the cells of a complex that has just been stuffed their final labels (settle_labels) and drops those outside.
-void settle(lattice::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells);
+void settle(tetmesh::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells);
 
 /// Repairs a settled complex, the nodes of its curves on them; returns how many cells stay below the goal.
-std::int64_t repair_on_curves(lattice::Complex& complex, const lattice::Materials& materials,
-                              const lattice::RepairSettings& settings);
+std::int64_t repair_on_curves(tetmesh::Complex& complex, const tetmesh::Materials& materials,
+                              const tetmesh::RepairSettings& settings);
 
 /// The cells of a complex whose nodes are in mm along the axes of the grid.
-adapters::LabelledCells collect(const lattice::Complex& complex, const Grid& grid);
+LabelledCells collect(const tetmesh::Complex& complex, const Grid& grid);
 
 /// Tries again with other settings where the worst cell is too bad, and keeps the best. `manifold_sets` as in
 /// settle_labels.
-lattice::Complex lattice_complex(const lattice::Materials& materials, std::span<const LabelSet> manifold_sets,
+tetmesh::Complex lattice_complex(const tetmesh::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report = nullptr,
                                  const LatticeAims& aims = {});
 
 /// lattice_complex of a label map: cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat.
-adapters::LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
-                                      std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
-                                      LatticeReport* report = nullptr);
+LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
+                            std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
+                            LatticeReport* report = nullptr);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

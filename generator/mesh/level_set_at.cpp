@@ -5,7 +5,7 @@
 
 #include "generator/parallel/threads.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 /// The cube of a volume in which a position lies, beyond the border the one on it, and the place in the cube.
@@ -111,4 +111,4 @@ bool is_negative_at(const LevelSet& volume, const Signs& signs, const Vec3& posi
   return !corners.is_any_other || value_in(cube) < 0;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

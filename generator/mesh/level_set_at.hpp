@@ -5,7 +5,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// A trilinear value and its gradient (per mm along the axes).
 struct Sample {
@@ -30,4 +30,4 @@ Signs signs_of(const LevelSet& volume);
 /// their values. `signs` are the volume's.
 bool is_negative_at(const LevelSet& volume, const Signs& signs, const Vec3& position);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

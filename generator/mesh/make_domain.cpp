@@ -11,7 +11,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 // Less follows the stairs. With a kernel free of bias more of it brings the surfaces of subsampled shapes nearer to the
@@ -252,4 +252,4 @@ MeshDomain make_domain(const LabelVolume& labels, const MeshSettings& settings) 
   return make_domain(labels, settings.smoothing_mm, settings.smoothing_mm * body_edge_mm / settings.heart_edge_mm);
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

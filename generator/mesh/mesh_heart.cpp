@@ -25,7 +25,7 @@
 #include "generator/mesh/tetgen_cells.hpp"
 #include "model/error.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr double layer_edges = 1.0;       // thickness of the layer around the image, in the coarsest edges
@@ -92,7 +92,7 @@ std::array<LabelSet, 3> manifold_sets() {
 }
 
 // The Delaunay back end: CGAL's refinement, then our own repair.
-adapters::LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<float>& sizes) {
+LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<float>& sizes) {
   const float coarsest = *std::max_element(sizes.voxels.begin(), sizes.voxels.end());
   auto cells = adapters::mesh_implicit(implicit_domain(domain, sizes, layer_edges * coarsest), {});
   settle_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(), crumb_cells);
@@ -103,7 +103,7 @@ adapters::LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<fl
 }
 
 /// What floats takes the label around it; where that leaves a boundary that touches itself, a few cells more change.
-void join_walls(adapters::LabelledCells& cells) {
+void join_walls(LabelledCells& cells) {
   constexpr int most_rounds = 4;  // what one step mends, the other may break again
   const auto sets = manifold_sets();
   for (int round = 0; round < most_rounds; ++round) {
@@ -270,4 +270,4 @@ std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshS
   return meshes;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -11,7 +11,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// Throws UserError for an unknown back end, edge lengths that are not positive and what else no label map makes good.
 void check_settings(const MeshSettings& settings);
@@ -42,4 +42,4 @@ TetMesh extract_regions(const TetMesh& mesh, std::span<const Region> regions);
 std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshSettings& settings,
                                           const Volume<float>* own_edges_mm = nullptr);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -8,9 +8,9 @@
 #include <span>
 
 #include "generator/adapters/cgal_mesher.hpp"
-#include "generator/lattice/repair.hpp"
-#include "generator/lattice/rescue.hpp"
-#include "generator/lattice/separate.hpp"
+#include "generator/image/components.hpp"
+#include "generator/image/distance.hpp"
+#include "generator/image/morphology.hpp"
 #include "generator/mesh/curves.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/improve.hpp"
@@ -19,13 +19,13 @@
 #include "generator/mesh/settle_labels.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "generator/mesh/vessel_domain.hpp"
-#include "generator/segment/components.hpp"
-#include "generator/segment/distance.hpp"
-#include "generator/segment/morphology.hpp"
+#include "generator/surface_fit/self_intersections.hpp"
+#include "generator/tetmesh/remesh_worst.hpp"
+#include "generator/tetmesh/repair.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr int rays_per_section = 96;
@@ -95,7 +95,7 @@ LabelSet only_lumen() {
   return inside;
 }
 
-adapters::LabelledCells delaunay_vessel(const VesselDomain& domain) {
+LabelledCells delaunay_vessel(const VesselDomain& domain) {
   auto cells = adapters::mesh_implicit(implicit_vessel(domain), {});
   const LabelSet inside = only_lumen();
   settle_labels(cells.nodes_mm, cells.cells, cells.label, std::span(&inside, 1), crumb_cells);
@@ -104,21 +104,21 @@ adapters::LabelledCells delaunay_vessel(const VesselDomain& domain) {
 }
 
 // Stubs are one material, and told apart afterwards.
-adapters::LabelledCells lattice_vessel(const VesselDomain& domain) {
+LabelledCells lattice_vessel(const VesselDomain& domain) {
   const LabelSet inside = only_lumen();
   const auto materials = materials_of(domain);
   auto complex = lattice_complex(materials, std::span(&inside, 1), crumb_cells);
-  lattice::RepairSettings repairing;
+  tetmesh::RepairSettings repairing;
   repairing.may_relabel = false;  // it would take cells out of a cut
   constexpr int rounds = 3;       // what would flatten a cell has room after a repair
   for (int round = 0; round < rounds; ++round) {
     const auto off = flatten_cuts(complex, domain);
-    lattice::repair(complex, materials, repairing);
+    tetmesh::repair(complex, materials, repairing);
     if (off == 0) break;
   }
-  lattice::rescue(complex, materials, repairing, kept_quality, lattice::OnFailure::go_on);
-  lattice::separate_sheets(complex, repairing.least);
-  lattice::compress(complex);
+  tetmesh::rescue(complex, materials, repairing, kept_quality, tetmesh::OnFailure::go_on);
+  surface_fit::separate_sheets(complex, repairing.least);
+  tetmesh::compress(complex);
   auto cells = collect(complex, domain.lumen.grid);
   for (std::size_t c = 0; c < cells.cells.size(); ++c) {
     if (cells.label[c] != stub_label) continue;
@@ -132,7 +132,7 @@ adapters::LabelledCells lattice_vessel(const VesselDomain& domain) {
 
 // The box around the larger components, as a label map.
 LabelVolume cropped(const Mask& lumen, Region vessel) {
-  const auto components = segment::connected_components(lumen);
+  const auto components = image::connected_components(lumen);
   const auto& counts = components.voxel_count;
   const auto largest = counts.size() > 1 ? *std::max_element(counts.begin() + 1, counts.end()) : 0;
   const auto keeps = [&](std::int32_t c) {
@@ -172,9 +172,9 @@ LabelVolume cropped(const Mask& lumen, Region vessel) {
 // Without the branches that cells of the wanted size cannot fill; everything where all would go.
 Mask without_thin_branches(const Mask& lumen, double least_radius_mm) {
   const auto& s = lumen.grid.spacing_mm;
-  const Mask wide = segment::open(lumen, least_radius_mm);
-  if (segment::count(wide) == 0) return lumen;
-  return segment::intersect(lumen, segment::dilate(wide, 1.01 * std::max({s.x, s.y, s.z})));
+  const Mask wide = image::open(lumen, least_radius_mm);
+  if (image::count(wide) == 0) return lumen;
+  return image::intersect(lumen, image::dilate(wide, 1.01 * std::max({s.x, s.y, s.z})));
 }
 
 VesselDomain vessel_domain(const Mask& lumen, Region vessel, const MeshSettings& settings) {
@@ -192,7 +192,7 @@ VesselDomain vessel_domain(const Mask& lumen, Region vessel, const MeshSettings&
                              smoothing_mm);
   Mask smooth(domain.lumen.grid);
   for (std::size_t v = 0; v < smooth.voxels.size(); ++v) smooth.voxels[v] = domain.lumen.voxels[v] != 0;
-  domain.distance_mm = segment::signed_distance(smooth);
+  domain.distance_mm = image::signed_distance(smooth);
   domain.ends = find_vessel_ends(smooth);
   if (domain.ends.size() < 2 || domain.ends.size() > most_ends)
     throw UserError(fmt::format("region {} has {} open ends", region_name(tag(vessel)), domain.ends.size()), "mesh",
@@ -219,4 +219,4 @@ TetMesh mesh_vessel(const Mask& lumen, Region vessel, const MeshSettings& settin
   return mesh;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

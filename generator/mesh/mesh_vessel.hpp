@@ -8,7 +8,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// A cut: what lies beyond the plane, and within `reach_mm` of the tip, is removed.
 struct VesselEnd {
@@ -26,4 +26,4 @@ std::vector<VesselEnd> find_vessel_ends(const Mask& lumen);
 /// Throws UserError for an empty mask and for one without two ends.
 TetMesh mesh_vessel(const Mask& lumen, Region vessel, const MeshSettings& settings);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -5,12 +5,12 @@
 #include <limits>
 #include <vector>
 
+#include "generator/image/distance.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/distance.hpp"
 #include "model/crop.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 /// How far (mm) voxels around a label are from where a ball's centre can be inside it.
@@ -36,10 +36,10 @@ Reach reach_of(const LabelVolume& labels, std::uint8_t tag, double radius_mm) {
   const auto near = crop(labels, reach.box);
   Mask mask(near.grid);
   for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = near.voxels[v] != tag;
-  const auto depth = segment::distance_to(mask);
+  const auto depth = image::distance_to(mask);
   const auto least = static_cast<float>(radius_mm + half_voxel_of(near.grid));  // the surface is half a voxel nearer
   for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = depth.voxels[v] > least;
-  reach.to_center = segment::distance_to(mask);
+  reach.to_center = image::distance_to(mask);
   return reach;
 }
 
@@ -72,4 +72,4 @@ void open_labels(LabelVolume& labels, std::span<const std::uint8_t> tags, double
   });
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -7,7 +7,7 @@
 
 #include "model/error.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr float least_edge_mm = 0.1F;
@@ -47,4 +47,4 @@ std::vector<float> own_edges_on(const Volume<float>& image_mm, const Grid& grid)
   return edges;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -4,11 +4,11 @@
 
 #include "model/volume.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// The image's values (edge lengths in mm, 0: no wish) at the voxel centres of `grid`, each from the nearest voxel of
 /// the image, 0 outside it. Throws UserError for negative values, for positive ones below 0.1 mm, and for an image
 /// that wishes nothing inside `grid`.
 std::vector<float> own_edges_on(const Volume<float>& image_mm, const Grid& grid);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

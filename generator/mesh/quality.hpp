@@ -6,7 +6,7 @@
 
 #include "model/vec.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// Smallest sine of the six dihedral angles, signed like the volume: 0 for flat cells, 0.94 for the regular one.
 /// sin = 3 V l / (2 A1 A2) for the edge of length l between faces of areas A1 and A2.
@@ -22,4 +22,4 @@ inline double least_sine(const std::array<Vec3, 4>& p) {
   return std::isfinite(result) ? result : 0;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

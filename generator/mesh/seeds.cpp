@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 struct Component {
@@ -88,4 +88,4 @@ std::vector<Vec3> surface_seeds(const LabelVolume& labels, const std::function<i
   return seeds;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

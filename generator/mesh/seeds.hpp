@@ -5,7 +5,7 @@
 
 #include "model/volume.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// For every connected component (6-neighbours) of equal values in `labels`, the outermost voxels along the grid axes,
 /// each moved to the surface of its component by bisection of `label_at` (LPS mm, defined beyond the grid too).
@@ -14,4 +14,4 @@ namespace heart::mesh {
 std::vector<Vec3> surface_seeds(const LabelVolume& labels, const std::function<int(const Vec3&)>& label_at,
                                 const std::function<double(const Vec3&)>& apart_mm);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -6,12 +6,12 @@
 #include <functional>
 #include <limits>
 
-#include "generator/lattice/shared_marks.hpp"
 #include "generator/mesh/connected_cells.hpp"
 #include "generator/parallel/gather.hpp"
 #include "generator/parallel/threads.hpp"
+#include "generator/tetmesh/shared_marks.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 // The label across the most area of the group's outer faces, among those that `accept` takes; -1 if there is none.
@@ -66,7 +66,7 @@ Looks first_looks(const Tetrahedra& t, std::int64_t crumb_cells, const Changes& 
   parallel::parallel_for(0, std::ssize(*t.cells), [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::int32_t>(begin); c < end; ++c)
       if (has_changed(t, c, changes))
-        for (const auto n : t.cell(c)) lattice::set_to(is_asked[static_cast<std::size_t>(n)], std::uint8_t{1});
+        for (const auto n : t.cell(c)) tetmesh::set_to(is_asked[static_cast<std::size_t>(n)], std::uint8_t{1});
   });
   parallel::parallel_for(0, std::ssize(looks.stays), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
@@ -370,4 +370,4 @@ std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<
   return total;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -8,7 +8,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// Labels that count as inside; labels are 0 (outside) to 63.
 using LabelSet = std::array<bool, 64>;
@@ -21,4 +21,4 @@ std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<
                            std::vector<std::int32_t>& label, std::span<const LabelSet> manifold_sets,
                            std::int64_t crumb_cells);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -8,7 +8,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr double reach_sigmas = 3;
@@ -56,12 +56,12 @@ Stretches stretches_of(const Volume<float>& volume) {
 }
 
 // Taps along a row, one after the other, so that it vectorises and the bits are the same for any vector length.
-HEART_INLINE void add_four(const float* weights, const float* a, const float* b, const float* c, const float* d,
-                           std::int64_t count, float* __restrict out) {
+HEARTGEN_INLINE void add_four(const float* weights, const float* a, const float* b, const float* c, const float* d,
+                              std::int64_t count, float* __restrict out) {
   for (std::int64_t i = 0; i < count; ++i)
     out[i] = (((out[i] + weights[0] * a[i]) + weights[1] * b[i]) + weights[2] * c[i]) + weights[3] * d[i];
 }
-HEART_INLINE void add_one(float weight, const float* in, std::int64_t count, float* __restrict out) {
+HEARTGEN_INLINE void add_one(float weight, const float* in, std::int64_t count, float* __restrict out) {
   for (std::int64_t i = 0; i < count; ++i) out[i] += weight * in[i];
 }
 
@@ -280,4 +280,4 @@ void add_kernel(ShareField& field, const Index3& voxel, float amount, const Kern
     }
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -7,7 +7,7 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// A box of voxels.
 struct Box {
@@ -70,4 +70,4 @@ Index3 reach_of(const Kernels& kernels);
 /// Adds `amount` times the kernel around a voxel of the label map.
 void add_kernel(ShareField& field, const Index3& voxel, float amount, const Kernels& kernels);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

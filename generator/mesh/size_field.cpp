@@ -8,14 +8,14 @@
 #include <limits>
 #include <utility>
 
-#include "generator/lattice/octree.hpp"
+#include "generator/image/distance.hpp"
 #include "generator/mesh/thin_walls.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/distance.hpp"
+#include "generator/stuffing/octree.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 std::array<float, 256> edge_of_region(const MeshSettings& settings) {
@@ -164,7 +164,7 @@ void lower_in_thin_parts(Volume<float>& sizes, const LabelVolume& labels, const 
   Mask centers(sizes.grid, 0);
   for (std::size_t v = 0; v < centers.voxels.size(); ++v)
     centers.voxels[v] = static_cast<double>(from_interface_mm.voxels[v]) >= radius_mm;
-  const auto distance = segment::distance_to(centers);
+  const auto distance = image::distance_to(centers);
   for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
     if (resolved[labels.voxels[v]] && static_cast<double>(distance.voxels[v]) > beyond_corners * radius_mm)
       sizes.voxels[v] = std::min(sizes.voxels[v], static_cast<float>(edge_mm));
@@ -182,7 +182,7 @@ bool resolve_thin_parts(Volume<float>& sizes, const MeshDomain& domain, const Me
   const double finest = finest_body_edge_mm(settings);
   const auto labels = coarse_labels(domain, sizes.grid);
   if (!have_longer_edges(sizes, labels, resolved, static_cast<float>(finest))) return false;
-  const auto from_interface = segment::distance_to(interface_of(labels));
+  const auto from_interface = image::distance_to(interface_of(labels));
   // The sample beside an interface is half a sample away from it.
   const Vec3& spacing = sizes.grid.spacing_mm;
   const double half_sample = 0.5 * std::min({spacing.x, spacing.y, spacing.z});
@@ -214,7 +214,7 @@ void lower_around(Volume<float>& sizes, const Vec3& lps_mm, float edge_mm) {
 constexpr double most_cells = 2e7;
 
 void refuse_too_many_cells(double thin_mm3, double edge_mm, int layers) {
-  const double cells = lattice::cells_per_cube * thin_mm3 / (edge_mm * edge_mm * edge_mm);
+  const double cells = stuffing::cells_per_cube * thin_mm3 / (edge_mm * edge_mm * edge_mm);
   if (cells <= most_cells) return;
   throw UserError(fmt::format("{} layers would put about {:.0f} million cells into thin walls", layers, cells / 1e6),
                   "recipe, [mesh] wall_layers", "ask for fewer layers or a longer heart_edge_mm");
@@ -246,7 +246,7 @@ void refuse_too_many_own_cells(const Volume<float>& sizes, const MeshDomain& dom
   double cubes = 0;  // of the edge
   for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
     if (labels.voxels[v] != 0) cubes += spacing.x * spacing.y * spacing.z / math::pow(sizes.voxels[v], 3);
-  const double cells = lattice::cells_per_cube * cubes;
+  const double cells = stuffing::cells_per_cube * cubes;
   if (cells <= most_cells) return;
   throw UserError(fmt::format("it asks for about {:.0f} million cells", cells / 1e6), "size field of the mesh",
                   "wish longer edges, or the short ones in a smaller part of the image");
@@ -290,4 +290,4 @@ double edge_at(const Volume<float>& sizes, const Vec3& lps_mm) {
   return sample_linear(sizes, index_from_lps(sizes.grid, lps_mm));
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

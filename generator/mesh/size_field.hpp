@@ -6,7 +6,7 @@
 #include "generator/mesh/settle_labels.hpp"
 #include "model/recipe.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// Edge lengths (mm) on a coarse grid over the label map (a sample every 1 to 1.5 heart_edge_mm): at each sample the
 /// region's own edge, lowered so that it grows by at most settings.growth per mm away from finer places. Sample it
@@ -31,4 +31,4 @@ constexpr int most_wall_layers = 4;
 
 double edge_at(const Volume<float>& sizes, const Vec3& lps_mm);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

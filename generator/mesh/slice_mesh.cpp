@@ -11,14 +11,14 @@
 #include "generator/distmesh/balance_curves.hpp"
 #include "generator/distmesh/distmesh.hpp"
 #include "generator/distmesh/improve_triangles.hpp"
-#include "generator/lattice/feature.hpp"
+#include "generator/image/distance.hpp"
 #include "generator/mesh/domain.hpp"
-#include "generator/segment/distance.hpp"
+#include "generator/tetmesh/feature.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 enum class Tissue : std::int32_t { outside = 0, myocardium = 1, cavities = 2, lungs = 3, torso = 4 };
@@ -103,7 +103,7 @@ double whole_edge_mm(const SliceSettings& settings, float from_muscle_mm) {
 // Before the work: equilateral triangles of the wanted edges, and as many again at interfaces.
 void refuse_too_many(const LabelVolume& tissues, const SliceSettings& settings) {
   constexpr double most_triangles = 2e7, at_interfaces = 2;
-  const auto from_muscle = segment::distance_to(muscle_of(tissues));
+  const auto from_muscle = image::distance_to(muscle_of(tissues));
   const double pixel_mm2 = tissues.grid.spacing_mm.x * tissues.grid.spacing_mm.y;
   double triangles = 0;
   for (std::size_t v = 0; v < tissues.voxels.size(); ++v) {
@@ -163,10 +163,10 @@ void lower_in_thin_parts(Volume<float>& edges, const Volume<float>& from_interfa
   Mask centers(edges.grid, 0), thin(edges.grid, 0);
   for (std::size_t v = 0; v < centers.voxels.size(); ++v)
     centers.voxels[v] = static_cast<double>(from_interface.voxels[v]) >= radius_mm;
-  const auto from_centers = segment::distance_to(centers);
+  const auto from_centers = image::distance_to(centers);
   for (std::size_t v = 0; v < thin.voxels.size(); ++v)
     thin.voxels[v] = static_cast<double>(from_centers.voxels[v]) > beyond_corners * radius_mm;
-  const auto from_thin = segment::distance_to(thin);
+  const auto from_thin = image::distance_to(thin);
   for (std::size_t v = 0; v < thin.voxels.size(); ++v) {
     const double edge = edge_mm + interface_growth * static_cast<double>(from_thin.voxels[v]);
     edges.voxels[v] = std::min(edges.voxels[v], static_cast<float>(edge));
@@ -191,8 +191,8 @@ void resolve_thin_parts(FineSlice& fine, const Volume<float>& from_interface, do
 FineSlice fine_slice(const MeshDomain& domain, const SliceSettings& settings) {
   FineSlice fine{fine_labels(domain, settings.edge_mm), {}};
   const Grid& grid = fine.labels.grid;
-  const auto from_muscle = segment::distance_to(muscle_of(fine.labels));
-  const auto from_interface = segment::distance_to(beside_interfaces(fine.labels));
+  const auto from_muscle = image::distance_to(muscle_of(fine.labels));
+  const auto from_interface = image::distance_to(beside_interfaces(fine.labels));
   fine.edge_mm = Volume<float>(grid);
   for (std::size_t v = 0; v < fine.edge_mm.voxels.size(); ++v) {
     const double whole = whole_edge_mm(settings, from_muscle.voxels[v]);
@@ -204,9 +204,9 @@ FineSlice fine_slice(const MeshDomain& domain, const SliceSettings& settings) {
   return fine;
 }
 
-lattice::Materials materials_of(const MeshDomain& domain, const FineSlice& fine) {
+tetmesh::Materials materials_of(const MeshDomain& domain, const FineSlice& fine) {
   const Grid& grid = domain.grid;
-  lattice::Materials materials;
+  tetmesh::Materials materials;
   materials.box_min_mm = {-0.5 * grid.spacing_mm.x, -0.5 * grid.spacing_mm.y, -distmesh::unbounded_mm};
   materials.box_max_mm = {(static_cast<double>(grid.size[0]) - 0.5) * grid.spacing_mm.x,
                           (static_cast<double>(grid.size[1]) - 0.5) * grid.spacing_mm.y, distmesh::unbounded_mm};
@@ -214,8 +214,8 @@ lattice::Materials materials_of(const MeshDomain& domain, const FineSlice& fine)
   materials.edge_mm = [&fine](const Vec3& p) {
     return sample_linear(fine.edge_mm, index_from_lps(fine.edge_mm.grid, {p.x, p.y, 0}));
   };
-  materials.equations_at = [&domain](lattice::LabelBits labels, const Vec3& p, std::span<lattice::Equation> equations) {
-    std::array<SurfaceEquation, lattice::most_equations> found;
+  materials.equations_at = [&domain](tetmesh::LabelBits labels, const Vec3& p, std::span<tetmesh::Equation> equations) {
+    std::array<SurfaceEquation, tetmesh::most_equations> found;
     const int count = equations_at(domain, labels, index_of(domain.grid, p), std::span(found).first(equations.size()));
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
       equations[i] = {found[i].value, {found[i].gradient.x, found[i].gradient.y, 0}};
@@ -239,17 +239,17 @@ std::vector<Border> borders_of(const distmesh::Triangles& mesh) {
       const auto other = both[0] == static_cast<std::int32_t>(t) ? both[1] : both[0];
       const int label = mesh.label[t];
       if (other < 0) {
-        const auto sides = mesh.bits(a) & mesh.bits(b) & lattice::side_bits;
-        borders.push_back({{a, b}, lattice::bit_of(label) | (sides != 0 ? sides : lattice::bit_of(0))});
+        const auto sides = mesh.bits(a) & mesh.bits(b) & tetmesh::side_bits;
+        borders.push_back({{a, b}, tetmesh::bit_of(label) | (sides != 0 ? sides : tetmesh::bit_of(0))});
       } else if (label < mesh.label_of(other)) {
-        borders.push_back({{a, b}, lattice::bit_of(label) | lattice::bit_of(mesh.label_of(other))});
+        borders.push_back({{a, b}, tetmesh::bit_of(label) | tetmesh::bit_of(mesh.label_of(other))});
       }
     }
   return borders;
 }
 
 Curve curve_of(distmesh::LabelBits bits) {
-  if ((bits & lattice::side_bits) != 0) return Curve::fov_cut;
+  if ((bits & tetmesh::side_bits) != 0) return Curve::fov_cut;
   const int low = std::countr_zero(bits), high = std::countr_zero(bits & (bits - 1));
   return curve_between(tissue_of_stand_in(low), tissue_of_stand_in(high));
 }
@@ -290,12 +290,12 @@ void measure_angles(const distmesh::Triangles& mesh, SliceReport& report) {
   }
 }
 
-void measure_distances(const distmesh::Triangles& mesh, const lattice::Materials& materials, SliceReport& report) {
+void measure_distances(const distmesh::Triangles& mesh, const tetmesh::Materials& materials, SliceReport& report) {
   std::vector<double> distances;
   for (const auto& [nodes, bits] : borders_of(mesh)) {
     const Vec3 a = mesh.at(nodes[0]), b = mesh.at(nodes[1]);
     for (const auto& p : {a, 0.5 * (a + b), b})
-      distances.push_back(lattice::distance_to(lattice::feature_at(materials, bits, p)) / norm(b - a));
+      distances.push_back(tetmesh::distance_to(tetmesh::feature_at(materials, bits, p)) / norm(b - a));
   }
   std::sort(distances.begin(), distances.end());
   if (distances.empty()) return;
@@ -359,4 +359,4 @@ TriMesh mesh_slice(const LabelVolume& labels, std::int64_t index, const SliceSet
   return collect(mesh, domain.grid);
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

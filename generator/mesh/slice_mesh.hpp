@@ -8,7 +8,7 @@
 #include "model/tri_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 struct SliceSettings {
   double edge_mm = 0.5;       ///< edge length in the myocardium; half of it at interfaces
@@ -36,4 +36,4 @@ TriMesh mesh_slice(const LabelVolume& labels, std::int64_t index, const SliceSet
 /// The slice nearest to a height (LPS z, mm). Throws UserError when it lies more than half a slice outside the map.
 std::int64_t slice_at_height(const Grid& grid, double z_mm);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

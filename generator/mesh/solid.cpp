@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "generator/image/components.hpp"
+#include "generator/image/distance.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/components.hpp"
-#include "generator/segment/distance.hpp"
-#include "generator/segment/fast_sweeping.hpp"
+#include "generator/pde/fast_sweeping.hpp"
 #include "model/mathematics.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 // Greater distances nobody asks for: nodes are looked for within an edge or two, rolling balls within their radius.
@@ -49,7 +49,7 @@ std::array<LevelSet, 3> heart_surfaces(const MeshDomain& domain, double voxel_mm
           surfaces[2](i, j, k) = shares.right_blood - 0.5F;
         }
   });
-  for (auto& surface : surfaces) surface = segment::fast_sweeping(surface, band_mm);
+  for (auto& surface : surfaces) surface = pde::fast_sweeping(surface, band_mm);
   return surfaces;
 }
 
@@ -62,7 +62,7 @@ void roll(LevelSet& distance, float radius_mm, float side, float band_mm) {
   Mask core(distance.grid);
   for (std::size_t v = 0; v < core.voxels.size(); ++v)
     core.voxels[v] = side * distance.voxels[v] <= half_voxel - radius_mm;
-  const auto from_core = segment::distance_to(core);
+  const auto from_core = image::distance_to(core);
   for (std::size_t v = 0; v < core.voxels.size(); ++v) {
     const float reached = std::min(from_core.voxels[v] - radius_mm - half_voxel, band_mm);
     distance.voxels[v] = side * std::max(side * distance.voxels[v], reached);
@@ -74,7 +74,7 @@ void roll(LevelSet& distance, float radius_mm, float side, float band_mm) {
 void drop_islands(LevelSet& distance, double least_mm3, float side) {
   Mask inside(distance.grid);
   for (std::size_t v = 0; v < inside.voxels.size(); ++v) inside.voxels[v] = side * distance.voxels[v] < 0;
-  const auto parts = segment::connected_components(inside);
+  const auto parts = image::connected_components(inside);
   const auto largest = std::max_element(parts.voxel_count.begin() + 1, parts.voxel_count.end());
   const auto least = std::min(static_cast<std::int64_t>(least_mm3 / distance.grid.voxel_volume_mm3()),
                               parts.voxel_count.size() > 1 ? *largest : 0);
@@ -109,7 +109,7 @@ LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, const Narrowe
 
 LevelSet smooth_distance(const Mask& mask, double smoothing_mm) {
   constexpr double least_smoothing_voxels = 1.3;  // less follows the stairs
-  auto level_set = segment::signed_distance(mask);
+  auto level_set = image::signed_distance(mask);
   Vec3 sigma;
   for (int axis = 0; axis < 3; ++axis)
     sigma[axis] = std::max(smoothing_mm / level_set.grid.spacing_mm[axis], least_smoothing_voxels);
@@ -117,4 +117,4 @@ LevelSet smooth_distance(const Mask& mask, double smoothing_mm) {
   return level_set;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/mesh/domain.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// What is narrower than these a mesh is not asked to follow.
 struct Narrowest {
@@ -17,4 +17,4 @@ LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, const Narrowe
 /// Signed distance (mm, negative inside) to a mask, smoothed by `smoothing_mm`, at least by 1.3 voxels.
 LevelSet smooth_distance(const Mask& mask, double smoothing_mm);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

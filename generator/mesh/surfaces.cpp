@@ -12,7 +12,7 @@
 #include "model/labels.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr std::int32_t rim_base = 1000;
@@ -136,7 +136,7 @@ std::vector<CellFace> cell_faces(const std::vector<Cell>& cells) {
   return faces_where(cells, {&all}, [](const CellFace&) { return true; });
 }
 
-TetMesh assemble(const adapters::LabelledCells& labelled, const std::function<bool(std::int32_t)>& keep,
+TetMesh assemble(const LabelledCells& labelled, const std::function<bool(std::int32_t)>& keep,
                  const std::function<std::int32_t(std::int32_t, std::int32_t)>& surface_of) {
   const auto& cells = labelled.cells;
   const auto& label = labelled.label;
@@ -190,4 +190,4 @@ Rim rim_of(const TetMesh& mesh, std::int32_t surface) {
   return rim;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -5,15 +5,15 @@
 #include <numeric>
 #include <utility>
 
-#include "generator/lattice/balance.hpp"
-#include "generator/lattice/repair.hpp"
 #include "generator/mesh/surfaces.hpp"
+#include "generator/surface_fit/volume_correction.hpp"
+#include "generator/tetmesh/repair.hpp"
 #include "model/error.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
-using lattice::Complex;
+using tetmesh::Complex;
 
 std::size_t at(std::int32_t id) { return static_cast<std::size_t>(id); }
 
@@ -53,8 +53,8 @@ std::vector<adapters::MaterialSeed> seeds_of(const Complex& complex, const std::
 
 /// The cells as a complex that repair can work on; nodes of surfaces keep the sides of the box and the spacing that
 /// they had.
-Complex make_complex(adapters::LabelledCells cells, const Complex& old, const std::vector<std::int32_t>& old_node,
-                     const lattice::Materials& materials) {
+Complex make_complex(LabelledCells cells, const Complex& old, const std::vector<std::int32_t>& old_node,
+                     const tetmesh::Materials& materials) {
   Complex complex;
   complex.nodes_mm = std::move(cells.nodes_mm);
   complex.cells = std::move(cells.cells);
@@ -67,17 +67,17 @@ Complex make_complex(adapters::LabelledCells cells, const Complex& old, const st
       continue;
     }
     const auto bits = old.bits(old_node[n]);
-    complex.touches[n] = (bits & lattice::side_bits) | ((bits & lattice::bit_of(0)) != 0 ? lattice::hull_bit : 0);
+    complex.touches[n] = (bits & tetmesh::side_bits) | ((bits & tetmesh::bit_of(0)) != 0 ? tetmesh::hull_bit : 0);
     complex.spacing_mm.push_back(old.spacing_mm[at(old_node[n])]);
   }
-  lattice::derive_touches(complex);
-  lattice::connect(complex);
+  tetmesh::derive_touches(complex);
+  tetmesh::connect(complex);
   return complex;
 }
 
 }  // namespace
 
-adapters::SurfaceComplex surfaces_of(const lattice::Complex& complex, std::vector<std::int32_t>& old_node) {
+adapters::SurfaceComplex surfaces_of(const tetmesh::Complex& complex, std::vector<std::int32_t>& old_node) {
   const auto faces = cell_faces(complex.cells);
   adapters::SurfaceComplex surfaces;
   std::vector<std::int32_t> id(complex.nodes_mm.size(), -1);
@@ -99,9 +99,8 @@ adapters::SurfaceComplex surfaces_of(const lattice::Complex& complex, std::vecto
   return surfaces;
 }
 
-adapters::LabelledCells tetgen_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
-                                     std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
-                                     LatticeReport* report) {
+LabelledCells tetgen_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
+                           std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells, LatticeReport* report) {
   if (!adapters::has_tetgen()) return adapters::fill_surfaces({}, {}, {});  // refuses before the work
   const auto materials = materials_of(domain, sizes_mm);
   const auto lattice = lattice_complex(materials, manifold_sets, crumb_cells, report);
@@ -110,10 +109,10 @@ adapters::LabelledCells tetgen_cells(const MeshDomain& domain, const Volume<floa
   const auto surfaces = surfaces_of(lattice, old_node);
   auto complex = make_complex(adapters::fill_surfaces(surfaces, materials.edge_mm, {}), lattice, old_node, materials);
   const auto filled = std::chrono::steady_clock::now();
-  const lattice::RepairSettings repairing;
-  const auto below = lattice::repair(complex, materials, repairing);
-  lattice::balance_surfaces(complex, materials, repairing.least);
-  lattice::compress(complex);
+  const tetmesh::RepairSettings repairing;
+  const auto below = tetmesh::repair(complex, materials, repairing);
+  surface_fit::balance_surfaces(complex, materials, repairing.least);
+  tetmesh::compress(complex);
   if (report != nullptr) {
     const auto seconds = [](auto from, auto to) { return std::chrono::duration<double>(to - from).count(); };
     report->add("tetgen", seconds(start, filled));
@@ -123,4 +122,4 @@ adapters::LabelledCells tetgen_cells(const MeshDomain& domain, const Volume<floa
   return collect(complex, domain.grid);
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include "generator/image/distance.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/distance.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 Box box_of_muscle(const MeshDomain& domain) {
@@ -66,18 +66,18 @@ Mask thin_walls(const MeshDomain& domain, double thickness_mm, double sample_mm)
     mask.voxels[v] = !is_myocardium(static_cast<Region>(regions.voxels[v]));
   const double radius = thickness_mm / 2;
   {
-    const auto depth = segment::distance_to(mask);
+    const auto depth = image::distance_to(mask);
     // The surface lies half-way between samples on its two sides.
     for (std::size_t v = 0; v < mask.voxels.size(); ++v)
       mask.voxels[v] = static_cast<double>(depth.voxels[v]) >= radius + sample_mm / 2;
   }
   // The corner of a right-angled edge is sqrt(2) radii away from the ball in it.
   constexpr double beyond_corners = 1.5;
-  const auto distance = segment::distance_to(mask);
+  const auto distance = image::distance_to(mask);
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
     mask.voxels[v] = is_wall(static_cast<Region>(regions.voxels[v])) &&
                      static_cast<double>(distance.voxels[v]) > beyond_corners * radius;
   return mask;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

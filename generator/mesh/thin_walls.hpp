@@ -2,7 +2,7 @@
 #pragma once
 #include "generator/mesh/domain.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 /// 1 where a wall of a chamber has a local thickness below `thickness_mm`: the diameter of the largest ball inside the
 /// muscle that holds the place (Hildebrand and Rueegsegger 1997; corners of thick parts are spared). The mask has a
@@ -10,4 +10,4 @@ namespace heart::mesh {
 /// is no muscle. The same for any number of threads.
 Mask thin_walls(const MeshDomain& domain, double thickness_mm, double sample_mm);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr double inner_growth = 0.35, outer_growth = 0.5;  // of the edge, per mm of distance from the wall
@@ -18,20 +18,20 @@ Vec3 index_of(const Grid& grid, const Vec3& p) {
 Vec3 lps_of(const Grid& grid, const Vec3& p) { return lps_from_index(grid, index_of(grid, p)); }
 
 /// The lumen's wall; beyond the cut, that of the section continued along the axis.
-lattice::Equation wall_at(const VesselDomain& domain, const Vec3& lps_mm, const VesselEnd* end) {
+tetmesh::Equation wall_at(const VesselDomain& domain, const Vec3& lps_mm, const VesselEnd* end) {
   const Vec3 beyond = end == nullptr ? Vec3{} : dot(lps_mm - end->center_mm, end->normal) * end->normal;
   std::array<SurfaceEquation, 2> found;
-  const auto labels = lattice::bit_of(0) | lattice::bit_of(static_cast<int>(tag(domain.vessel)));
+  const auto labels = tetmesh::bit_of(0) | tetmesh::bit_of(static_cast<int>(tag(domain.vessel)));
   equations_at(domain.lumen, labels, index_from_lps(domain.lumen.grid, lps_mm - beyond), found);
   if (end == nullptr) return {found[0].value, found[0].gradient};
   const Vec3 along = transposed(domain.lumen.grid.direction) * end->normal;
   return {found[0].value, found[0].gradient - dot(found[0].gradient, along) * along};
 }
 
-constexpr auto cut = lattice::bit_of(lumen_label) | lattice::bit_of(stub_label);
+constexpr auto cut = tetmesh::bit_of(lumen_label) | tetmesh::bit_of(stub_label);
 
 /// Cells that a repair gave to the other side of a cut go back.
-void relabel_at_cuts(lattice::Complex& c, const VesselDomain& domain) {
+void relabel_at_cuts(tetmesh::Complex& c, const VesselDomain& domain) {
   for (std::size_t t = 0; t < c.cells.size(); ++t) {
     const Cell& cell = c.cells[t];
     if (cell[0] < 0 || c.label[t] == 0) continue;
@@ -42,8 +42,8 @@ void relabel_at_cuts(lattice::Complex& c, const VesselDomain& domain) {
     c.label[t] = dot(at - end.center_mm, end.normal) > 0 ? stub_label : lumen_label;
   }
   for (auto& bits : c.touches)
-    if ((bits & lattice::bit_of(0)) != 0) bits |= lattice::hull_bit;
-  lattice::derive_touches(c);
+    if ((bits & tetmesh::bit_of(0)) != 0) bits |= tetmesh::hull_bit;
+  tetmesh::derive_touches(c);
 }
 
 }  // namespace
@@ -110,9 +110,9 @@ VesselBox box_of(const VesselDomain& domain) {
   return box;
 }
 
-lattice::Materials materials_of(const VesselDomain& domain) {
+tetmesh::Materials materials_of(const VesselDomain& domain) {
   const Grid& grid = domain.lumen.grid;
-  lattice::Materials materials;
+  tetmesh::Materials materials;
   const auto& s = grid.spacing_mm;
   const double margin = domain.stub_mm + 2 * domain.edge_mm + std::max({s.x, s.y, s.z});
   for (int axis = 0; axis < 3; ++axis) {
@@ -123,10 +123,10 @@ lattice::Materials materials_of(const VesselDomain& domain) {
     return std::min(vessel_label_at(domain, lps_of(domain.lumen.grid, p)), stub_label);
   };
   materials.edge_mm = [&domain](const Vec3& p) { return vessel_edge_at(domain, lps_of(domain.lumen.grid, p)); };
-  materials.equations_at = [&domain](lattice::LabelBits labels, const Vec3& p, std::span<lattice::Equation> equations) {
+  materials.equations_at = [&domain](tetmesh::LabelBits labels, const Vec3& p, std::span<tetmesh::Equation> equations) {
     const Vec3 at = lps_of(domain.lumen.grid, p);
-    const bool outside = (labels & lattice::bit_of(0)) != 0, stub = (labels & lattice::bit_of(stub_label)) != 0;
-    const bool lumen = (labels & lattice::bit_of(lumen_label)) != 0;
+    const bool outside = (labels & tetmesh::bit_of(0)) != 0, stub = (labels & tetmesh::bit_of(stub_label)) != 0;
+    const bool lumen = (labels & tetmesh::bit_of(lumen_label)) != 0;
     const VesselEnd& end = domain.ends[nearest_end(domain, at)];
     const double beyond = dot(at - end.center_mm, end.normal);
     const Vec3 along = transposed(domain.lumen.grid.direction) * end.normal;
@@ -136,13 +136,13 @@ lattice::Materials materials_of(const VesselDomain& domain) {
     const auto wall = wall_at(domain, at, stub ? &end : nullptr);
     const double to_wall = std::abs(wall.value) / std::max(norm(wall.gradient), 1e-12);
     const bool is_cap = stub && !lumen && std::abs(beyond - domain.stub_mm) < to_wall;
-    equations[count++] = is_cap ? lattice::Equation{beyond - domain.stub_mm, along} : wall;
+    equations[count++] = is_cap ? tetmesh::Equation{beyond - domain.stub_mm, along} : wall;
     return static_cast<int>(count);
   };
   return materials;
 }
 
-std::int64_t flatten_cuts(lattice::Complex& c, const VesselDomain& domain) {
+std::int64_t flatten_cuts(tetmesh::Complex& c, const VesselDomain& domain) {
   relabel_at_cuts(c, domain);
   constexpr double least_quality = 0.1;  // what comes after can mend that
   std::int64_t off = 0;
@@ -155,14 +155,14 @@ std::int64_t flatten_cuts(lattice::Complex& c, const VesselDomain& domain) {
     const double beyond = dot(at - end.center_mm, end.normal);
     c.nodes_mm[n] = old - beyond * (transposed(domain.lumen.grid.direction) * end.normal);
     c.frozen[n] = 1;
-    for (const auto t : c.star(node)) lattice::update_quality(c, t);
-    if (lattice::worst_quality(c, c.star(node)) >= least_quality) continue;
+    for (const auto t : c.star(node)) tetmesh::update_quality(c, t);
+    if (tetmesh::worst_quality(c, c.star(node)) >= least_quality) continue;
     c.nodes_mm[n] = old;
     c.frozen[n] = 0;
-    for (const auto t : c.star(node)) lattice::update_quality(c, t);
+    for (const auto t : c.star(node)) tetmesh::update_quality(c, t);
     off += std::abs(beyond) > 1e-3 * domain.edge_mm;
   }
   return off;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "generator/lattice/complex.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
+#include "generator/tetmesh/complex.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 struct VesselDomain {
   MeshDomain lumen;  ///< one region: the vessel
@@ -45,11 +45,11 @@ struct VesselBox {
 VesselBox box_of(const VesselDomain& domain);
 
 /// The domain as materials lumen_label and stub_label, in mm along the axes of the grid. It must outlive the result.
-lattice::Materials materials_of(const VesselDomain& domain);
+tetmesh::Materials materials_of(const VesselDomain& domain);
 
 /// Gives every cell at a cut the label of its side, and moves the nodes of the cuts onto their planes and freezes them
 /// there, where this flattens no cell; a repair has to follow. Returns how many stay off by more than a thousandth of
 /// an edge.
-std::int64_t flatten_cuts(lattice::Complex& complex, const VesselDomain& domain);
+std::int64_t flatten_cuts(tetmesh::Complex& complex, const VesselDomain& domain);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

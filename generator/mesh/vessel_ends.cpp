@@ -11,7 +11,7 @@
 #include "generator/mesh/mesh_vessel.hpp"
 #include "model/quantile.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr double bump_length_radii = 1.5;  // branches shorter than this many radii are bumps of the wall
@@ -279,4 +279,4 @@ std::vector<VesselEnd> find_vessel_ends(const Mask& mask) {
   return ends;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

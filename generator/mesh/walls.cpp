@@ -20,7 +20,7 @@
 #include "model/error.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr double voxel_mm = 0.5;        // of the solid
@@ -100,19 +100,19 @@ std::uint8_t nearest_at(const WallLevelSets& walls, const Vec3& position) {
   return walls.labels[nearest(walls, [&](const LevelSet& d) { return value_at(d, position); })];
 }
 
-int equations_at(const WallLevelSets& walls, const Vec3& shift, lattice::LabelBits labels, const Vec3& position,
-                 std::span<lattice::Equation> equations) {
+int equations_at(const WallLevelSets& walls, const Vec3& shift, tetmesh::LabelBits labels, const Vec3& position,
+                 std::span<tetmesh::Equation> equations) {
   std::size_t count = 0;
   const auto add = [&](const Sample& s) {
     if (count < equations.size()) equations[count++] = {s.value, s.gradient};
   };
-  if ((labels & lattice::bit_of(0)) != 0) add(sample(walls.solid, position + shift));
-  const auto regions = labels & ~lattice::bit_of(0);
+  if ((labels & tetmesh::bit_of(0)) != 0) add(sample(walls.solid, position + shift));
+  const auto regions = labels & ~tetmesh::bit_of(0);
   if (std::popcount(regions) < 2) return static_cast<int>(count);  // most nodes: no interface
   bool has_first = false;
   Sample first;
   for (std::size_t i = 0; i < walls.labels.size(); ++i) {
-    if ((regions & lattice::bit_of(walls.labels[i])) == 0) continue;
+    if ((regions & tetmesh::bit_of(walls.labels[i])) == 0) continue;
     const auto here = sample(walls.distances[i], position);
     if (has_first) add({here.value - first.value, here.gradient - first.gradient});
     if (!std::exchange(has_first, true)) first = here;
@@ -120,14 +120,14 @@ int equations_at(const WallLevelSets& walls, const Vec3& shift, lattice::LabelBi
   return static_cast<int>(count);
 }
 
-lattice::Materials materials_of(const WallLevelSets& walls, const Volume<float>& sizes) {
+tetmesh::Materials materials_of(const WallLevelSets& walls, const Volume<float>& sizes) {
   auto materials = materials_of(walls.domain, sizes);
   const Vec3 shift = position_of(walls.solid.grid, walls.domain.grid.origin_mm);
   materials.label_at = [&walls, shift](const Vec3& p) {
     return is_negative_at(walls.solid, walls.signs, p + shift) ? nearest_at(walls, p) : 0;
   };
-  materials.equations_at = [&walls, shift](lattice::LabelBits labels, const Vec3& p,
-                                           std::span<lattice::Equation> equations) {
+  materials.equations_at = [&walls, shift](tetmesh::LabelBits labels, const Vec3& p,
+                                           std::span<tetmesh::Equation> equations) {
     return equations_at(walls, shift, labels, p, equations);
   };
   return materials;
@@ -334,4 +334,4 @@ TetMesh mesh_walls(const WallLevelSets& walls, const MeshSettings& settings, Lat
   return mesh;
 }
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

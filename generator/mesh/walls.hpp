@@ -10,7 +10,7 @@
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 
 struct WallLevelSets {
   MeshDomain domain;                 ///< of the part of the label map around the walls
@@ -40,4 +40,4 @@ LabelVolume labels_of(const WallLevelSets& walls);
 TetMesh mesh_walls(const WallLevelSets& walls, const MeshSettings& settings, LatticeReport* report = nullptr,
                    const Volume<float>* own_edges_mm = nullptr);
 
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

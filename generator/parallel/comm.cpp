@@ -7,7 +7,7 @@
 #include "generator/parallel/mpi_calls.hpp"
 #include "model/error.hpp"
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 /// What Open MPI, MPICH and its relatives, and PMIx launchers set for their processes.
@@ -150,4 +150,4 @@ void share_outcome(const Comm& comm, const std::exception_ptr& error_on_root) {
   throw std::runtime_error(outcome.texts.at(0));
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 /// All processes of the launch (size > 1), or this process alone (size 1).
 struct Comm {
@@ -110,4 +110,4 @@ auto run_on_root(const Comm& comm, Work&& work) {
   }
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -10,7 +10,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/sort_unique.hpp"
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 /// Calls find(begin, end, values) for short pieces of a range, more than there are threads; what they append, in the
 /// order of the pieces.
@@ -70,4 +70,4 @@ std::vector<T> gather_sorted(std::int64_t first, std::int64_t last, Find&& find)
   return all;
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

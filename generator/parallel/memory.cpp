@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 constexpr std::size_t line_bytes = 64;
@@ -29,4 +29,4 @@ void* allocate_pages(std::size_t bytes) {
 
 void free_pages(void* memory, std::size_t bytes) { ::operator delete(memory, alignment(bytes)); }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 /// Aligned to 64 bytes at least; throws std::bad_alloc. Not collective.
 void* allocate_pages(std::size_t bytes);
@@ -26,4 +26,4 @@ struct PageAllocator {
 template <class T>
 using Pages = std::vector<T, PageAllocator<T>>;
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 /// MPI counts are ints: longer messages go in pieces of this many bytes.
 inline constexpr std::size_t piece_bytes = std::size_t{1} << 30;
@@ -19,4 +19,4 @@ void for_pieces(Byte* bytes, std::size_t count, Body&& body) {
     body(bytes + done, static_cast<int>(std::min(piece_bytes, count - done)));
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

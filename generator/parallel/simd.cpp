@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 Simd best_level() {
-#if HEART_HAS_VECTOR_VERSIONS
+#if HEARTGEN_HAS_VECTOR_VERSIONS
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl"))
     return Simd::avx512;
@@ -35,4 +35,4 @@ const char* name_of(Simd level) {
   return "plain";
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

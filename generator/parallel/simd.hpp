@@ -7,23 +7,23 @@
 #pragma once
 #include <cstdint>
 
-#define HEART_INLINE inline __attribute__((always_inline))
-#define HEART_INLINE_LAMBDA __attribute__((always_inline))
+#define HEARTGEN_INLINE inline __attribute__((always_inline))
+#define HEARTGEN_INLINE_LAMBDA __attribute__((always_inline))
 
 /// Before a loop whose voxels do not depend on each other: pointers of a row may look as if they overlapped.
 #if defined(__clang__)
-#define HEART_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#define HEARTGEN_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #else
-#define HEART_INDEPENDENT _Pragma("GCC ivdep")
+#define HEARTGEN_INDEPENDENT _Pragma("GCC ivdep")
 #endif
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define HEART_HAS_VECTOR_VERSIONS 1
+#define HEARTGEN_HAS_VECTOR_VERSIONS 1
 #else
-#define HEART_HAS_VECTOR_VERSIONS 0
+#define HEARTGEN_HAS_VECTOR_VERSIONS 0
 #endif
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 enum class Simd { plain, avx2, avx512 };
 
@@ -36,7 +36,7 @@ Simd set_simd_level(Simd level);
 
 const char* name_of(Simd level);
 
-#if HEART_HAS_VECTOR_VERSIONS
+#if HEARTGEN_HAS_VECTOR_VERSIONS
 template <auto body, class... Args>
 __attribute__((target("avx2"))) void on_avx2(const Args&... args) {
   body(args...);
@@ -51,7 +51,7 @@ __attribute__((target("avx2,avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-wid
 /// Runs body(args...), an always-inline function, in the version that simd_level() names.
 template <auto body, class... Args>
 void vectorised(const Args&... args) {
-#if HEART_HAS_VECTOR_VERSIONS
+#if HEARTGEN_HAS_VECTOR_VERSIONS
   switch (simd_level()) {
     case Simd::avx512:
       return on_avx512<body>(args...);
@@ -64,4 +64,4 @@ void vectorised(const Args&... args) {
   body(args...);
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -5,7 +5,7 @@
 
 #include "generator/parallel/mpi_calls.hpp"
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 int owner(std::int64_t slice, std::int64_t slices, const Comm& comm) {
@@ -84,4 +84,4 @@ void gather_bytes(const Comm& comm, std::int64_t slices, std::size_t slice_bytes
   }
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -12,7 +12,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/volume.hpp"
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 template <class T>
 struct Slab {
@@ -154,4 +154,4 @@ double sum_rows(const Slab<T>& slab, const Comm& comm, RowSum&& row_sum) {
   return sum_by_slice(comm, per_slice);
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

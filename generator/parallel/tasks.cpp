@@ -8,7 +8,7 @@
 
 #include "generator/parallel/threads.hpp"
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 void run_tasks(std::span<const std::function<void()>> tasks) {
   std::vector<std::exception_ptr> errors(tasks.size());
@@ -25,4 +25,4 @@ void run_tasks(std::span<const std::function<void()>> tasks) {
     if (error) std::rethrow_exception(error);
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -3,10 +3,10 @@
 #include <functional>
 #include <span>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 /// Runs every task once, on up to thread_count() threads, started in their order, and waits for all. Loops inside one
 /// of several tasks run on its thread. When tasks throw, that of the first of them, in their order, is rethrown.
 void run_tasks(std::span<const std::function<void()>> tasks);
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

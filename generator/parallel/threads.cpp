@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 thread_local bool inside_loop = false;
@@ -177,4 +177,4 @@ void run_loop(std::int64_t begin, std::int64_t end, const LoopBody& body) {
     if (error) std::rethrow_exception(error);
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 
 /// Threads that parallel_for uses from now on, at least 1. Not to be called from inside a loop.
 void set_thread_count(int count);
@@ -40,4 +40,4 @@ void parallel_for(std::int64_t begin, std::int64_t end, Body&& body) {
             }});
 }
 
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

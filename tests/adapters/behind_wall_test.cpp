@@ -14,7 +14,7 @@
 #include "model/error.hpp"
 #include "support/files.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 constexpr Allowance usual{64 << 20, 20};
@@ -117,4 +117,4 @@ TEST(BehindWall, ACountThatNoMemoryHoldsIsNotBelieved) {
 }
 
 }  // namespace
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

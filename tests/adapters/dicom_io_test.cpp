@@ -9,7 +9,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -200,4 +200,4 @@ TEST(Dicom, SeveralSeriesASingleSliceAndOneFileAreRefused) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

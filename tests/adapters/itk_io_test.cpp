@@ -15,7 +15,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 CtVolume small_ct() {
@@ -277,4 +277,4 @@ TEST(ReadCt, RealScansHaveThePatientUpright) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

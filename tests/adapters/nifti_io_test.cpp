@@ -7,7 +7,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 constexpr std::size_t datatype_at = 70, bits_at = 72, spacing_at = 80, units_at = 123, quaternion_offset_at = 268,
@@ -79,4 +79,4 @@ TEST(Nifti, Version2IsNamed) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

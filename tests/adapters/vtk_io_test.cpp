@@ -13,7 +13,7 @@
 #include "support/files.hpp"
 #include "support/two_region_mesh.hpp"
 
-namespace heart::adapters {
+namespace heartgen::adapters {
 namespace {
 
 using testing::bytes_of;
@@ -381,4 +381,4 @@ TEST(VtkIo, AucklandVentricles) {
 }
 
 }  // namespace
-}  // namespace heart::adapters
+}  // namespace heartgen::adapters

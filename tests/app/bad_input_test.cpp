@@ -11,7 +11,7 @@
 #include "support/files.hpp"
 #include "support/program.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -409,4 +409,4 @@ TEST_F(BadInput, AFrameThatTheLibraryMistakes) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -16,7 +16,7 @@
 #include "support/data.hpp"
 #include "support/program.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -432,4 +432,4 @@ TEST_F(StagesByHand, TheTreeAloneOnASlice) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

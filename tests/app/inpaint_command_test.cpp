@@ -9,7 +9,7 @@
 #include "support/data.hpp"
 #include "support/program.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -79,4 +79,4 @@ TEST(InpaintCommand, WhatItCannotDoIsSaid) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -10,7 +10,7 @@
 #include "support/data.hpp"
 #include "support/program.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -223,4 +223,4 @@ TEST(PlaceCommand, WritesTheLabelMapAndThePose) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -19,7 +19,7 @@
 #include "support/program.hpp"
 #include "support/two_region_mesh.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -294,4 +294,4 @@ TEST_F(NothingLost, NoFileNameSteersTheTerminal) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

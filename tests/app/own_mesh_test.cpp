@@ -6,14 +6,14 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "generator/meshes/any_mesh.hpp"
-#include "generator/meshes/msh_file.hpp"
-#include "generator/meshes/surface_faces.hpp"
+#include "generator/mesh_files/any_mesh.hpp"
+#include "generator/mesh_files/msh_file.hpp"
+#include "generator/mesh_files/surface_faces.hpp"
 #include "support/data.hpp"
 #include "support/diced_cubes.hpp"
 #include "support/program.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ UnstructuredData cube() {
     mesh.tets.push_back(cell);
     mesh.cell_scalars["CellEntityIds"].push_back(i < n / 2 ? 1 : 2);
   });
-  for (const auto& face : meshes::surface_faces(mesh.tets, {})) {
+  for (const auto& face : mesh_files::surface_faces(mesh.tets, {})) {
     const auto at_bottom = [&](std::int32_t node) { return mesh.points[static_cast<std::size_t>(node)].z == 0; };
     mesh.faces.push_back(face.nodes);
     mesh.face_scalars["CellEntityIds"].push_back(std::all_of(face.nodes.begin(), face.nodes.end(), at_bottom) ? 8 : 7);
@@ -48,13 +48,13 @@ std::int64_t count_of(const std::vector<double>& values, double wanted) {
 TEST(OwnMesh, ImproveKeepsLabelsOfTrianglesAndFibresThroughFormats) {
   const auto folder = testing::scratch_folder("own_improve");
   const auto mesh = cube();
-  meshes::write_any_mesh(folder / "in.vtk", mesh, "CellEntityIds");
+  mesh_files::write_any_mesh(folder / "in.vtk", mesh, "CellEntityIds");
   std::string from = "in.vtk";
   for (const std::string to : {"a.msh", "b.vtu", "c.vtk", "d.msh"}) {
     const auto run = testing::heartgen("improve " + from + " " + to + " --json", folder.string());
     ASSERT_EQ(run.exit_code, 0) << run.errors;
-    const auto out = meshes::read_any_mesh(folder / to);
-    const auto labels = meshes::find_labels(out, "", to);
+    const auto out = mesh_files::read_any_mesh(folder / to);
+    const auto labels = mesh_files::find_labels(out, "", to);
     EXPECT_EQ(out.faces.size(), mesh.faces.size()) << to;
     EXPECT_EQ(count_of(out.face_scalars.at(labels), 8), 32) << to;
     EXPECT_EQ(count_of(out.face_scalars.at(labels), 7), 160) << to;
@@ -101,25 +101,25 @@ TEST(OwnMesh, ValidateAndExportTakeIt) {
   const auto folder = testing::scratch_folder("own_export");
   auto mesh = cube();
   mesh.names = {{{3, 1}, "left half"}, {{2, 8}, "base"}};
-  meshes::write_any_mesh(folder / "mine.msh", mesh, "CellEntityIds");
+  mesh_files::write_any_mesh(folder / "mine.msh", mesh, "CellEntityIds");
   const auto rows = testing::heartgen("validate mine.msh --all", folder.string());
   EXPECT_EQ(rows.exit_code, 0) << rows.output << rows.errors;
   for (const char* scope : {"mine/left_half", "mine/region_2", "mine/base"})
     EXPECT_NE(rows.output.find(scope), std::string::npos) << scope << rows.output;
   EXPECT_EQ(rows.output.find("lv_myocardium"), std::string::npos) << "1 is no tag of ours here";
   ASSERT_EQ(testing::heartgen("export mine.msh --to opencarp,msh --output e", folder.string()).exit_code, 0);
-  const auto carp = meshes::read_any_mesh(folder / "e/opencarp/mine.pts");
+  const auto carp = mesh_files::read_any_mesh(folder / "e/opencarp/mine.pts");
   EXPECT_EQ(carp.tets, mesh.tets);
   EXPECT_EQ(carp.cell_scalars.at("region"), mesh.cell_scalars.at("CellEntityIds"));
   for (std::size_t n = 0; n < carp.points.size(); ++n)
     EXPECT_NEAR(norm(carp.points[n] - 1000 * mesh.points[n]), 0, 1e-6) << "um";
   EXPECT_EQ(carp.cell_vectors.at("fiber").size(), mesh.tets.size());
-  const auto msh = meshes::read_any_mesh(folder / "e/msh/mine.msh");
+  const auto msh = mesh_files::read_any_mesh(folder / "e/msh/mine.msh");
   EXPECT_EQ(msh.names.at({3, 1}), "left_half") << "names go into file names";
   EXPECT_EQ(msh.names.at({2, 8}), "base");
   // And from openCARP's files, which are in um, back to mm.
   ASSERT_EQ(testing::heartgen("export e/opencarp/mine.elem --to vtu --output f", folder.string()).exit_code, 0);
-  const auto vtu = meshes::read_any_mesh(folder / "f/vtu/mine.vtu");
+  const auto vtu = mesh_files::read_any_mesh(folder / "f/vtu/mine.vtu");
   for (std::size_t n = 0; n < vtu.points.size(); ++n) EXPECT_NEAR(norm(vtu.points[n] - mesh.points[n]), 0, 1e-9);
   EXPECT_EQ(testing::heartgen("export mine.stl --to vtu --output g", folder.string()).exit_code, 2);
 }
@@ -128,23 +128,23 @@ TEST(OwnMesh, TransferRefusesAnotherUnitByItsFactor) {
   const auto folder = testing::scratch_folder("own_transfer");
   auto mesh = cube();
   for (auto& p : mesh.points) p -= Vec3{20, 20, 20};
-  meshes::write_any_mesh(folder / "source.vtu", mesh, "CellEntityIds");
+  mesh_files::write_any_mesh(folder / "source.vtu", mesh, "CellEntityIds");
   auto in_cm = mesh;
   in_cm.point_vectors.clear();
   for (auto& p : in_cm.points) p *= 0.1;  // lies inside the source, by chance of the origin
-  meshes::write_any_mesh(folder / "cm.vtk", in_cm, "CellEntityIds");
+  mesh_files::write_any_mesh(folder / "cm.vtk", in_cm, "CellEntityIds");
   const auto refused = testing::heartgen("transfer source.vtu cm.vtk out.vtu --reach 20", folder.string());
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.errors.find("is it in cm? scale it by 10"), std::string::npos) << refused.errors;
   auto piece = in_cm;
   for (auto& p : piece.points) p += Vec3{12, 0, 0};  // of the same size, elsewhere: scaled it would leave the source
-  meshes::write_any_mesh(folder / "piece.msh", piece, "CellEntityIds");
+  mesh_files::write_any_mesh(folder / "piece.msh", piece, "CellEntityIds");
   const auto run = testing::heartgen("transfer source.vtu piece.msh out.msh", folder.string());
   EXPECT_EQ(run.exit_code, 0) << run.errors;
-  const auto out = meshes::read_any_mesh(folder / "out.msh");
+  const auto out = mesh_files::read_any_mesh(folder / "out.msh");
   EXPECT_EQ(out.face_scalars.at("region"), piece.face_scalars.at("CellEntityIds"));
   EXPECT_EQ(out.cell_vectors.at("fiber").size(), piece.tets.size());
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "generator/adapters/itk_io.hpp"
-#include "generator/app/image_stages.hpp"
+#include "generator/pipeline/image_stages.hpp"
 #include "support/data.hpp"
 
-namespace heart::app {
+namespace heartgen::app {
 namespace {
 
 struct Usual {
@@ -30,14 +30,14 @@ class RealScans : public ::testing::TestWithParam<const char*> {};
 TEST_P(RealScans, HaveAllChambersWithoutALandmark) {
   const std::string file = testing::real_data(GetParam());
   if (file.empty()) GTEST_SKIP() << GetParam() << " is not on this machine";
-  heart::app::Run run;
+  heartgen::pipeline::Run run;
   run.comm = parallel::self();
-  const Staged<CtVolume> ct{adapters::read_ct(file), ""};
+  const pipeline::Staged<CtVolume> ct{adapters::read_ct(file), ""};
   Recipe recipe;
   recipe.segmentation = default_segmentation();
   std::vector<Warning> warnings;
-  recipe.landmarks = complete_landmarks(run, ct, {}, warnings).landmarks;
-  const auto labels = label_ct(run, ct, recipe);
+  recipe.landmarks = pipeline::complete_landmarks(run, ct, {}, warnings).landmarks;
+  const auto labels = pipeline::label_ct(run, ct, recipe);
   for (const auto& [region, least_ml, most_ml] : usual) {
     EXPECT_GT(volume_ml(*labels, region), least_ml) << region_name(tag(region));
     EXPECT_LT(volume_ml(*labels, region), most_ml) << region_name(tag(region));
@@ -48,4 +48,4 @@ INSTANTIATE_TEST_SUITE_P(Files, RealScans,
                          ::testing::Values("cardiac-cta-1.5mm/ct.nii.gz", "chest-ct-lidc-0001/ct.nii.gz"));
 
 }  // namespace
-}  // namespace heart::app
+}  // namespace heartgen::app

@@ -6,7 +6,7 @@
 #include "support/data.hpp"
 #include "support/program.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 constexpr const char* fewer_instructions =
@@ -42,4 +42,4 @@ TEST(Simd, AnUnknownNameIsRefused) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -12,14 +12,14 @@
 #include "exporters/bundle.hpp"
 #include "exporters/certificate_json.hpp"
 #include "generator/adapters/itk_io.hpp"
-#include "generator/app/pipeline.hpp"
+#include "generator/pipeline/pipeline.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "support/data.hpp"
 #include "support/program.hpp"
 #include "validation/uses.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,8 +78,8 @@ class SpoiledHearts : public ::testing::Test {
 
   static Certificate certificate_of(const Meshes& meshes, const LabelVolume& labels) {
     const auto bounds = bounds_of(good().recipe);
-    return validation::certified(app::certificate(meshes, labels, good().recipe.mesh, bounds), {},
-                                 app::names_of(meshes), bounds);
+    return validation::certified(pipeline::certificate(meshes, labels, good().recipe.mesh, bounds), {},
+                                 pipeline::names_of(meshes), bounds);
   }
 
   static std::string& folder() {
@@ -307,4 +307,4 @@ TEST_F(SpoiledHearts, SwappedVentricles) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

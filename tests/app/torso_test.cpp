@@ -17,7 +17,7 @@
 #include "support/data.hpp"
 #include "support/program.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -214,4 +214,4 @@ TEST_F(AnotherTorso, APoseOutsideTheBodyIsRefused) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -10,7 +10,7 @@
 #include "datasets/survey.hpp"
 #include "model/error.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 /// One survey of the default patient, shared by the tests of this file.
@@ -199,4 +199,4 @@ TEST(Anatomy, AHeartTurnsAndGrowsInTheChest) {
 }
 
 }  // namespace
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -7,7 +7,7 @@
 #include "datasets/survey.hpp"
 #include "support/places.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 /// Signed helix angle (deg) of an axis: positive where it rises to the base while turning counter-clockwise seen from
@@ -162,4 +162,4 @@ TEST(Fibers, VanishFarFromTheHeart) {
 }
 
 }  // namespace
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

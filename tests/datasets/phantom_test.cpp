@@ -11,7 +11,7 @@
 #include "model/error.hpp"
 #include "support/places.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 PhantomSettings coarse() {
@@ -80,8 +80,8 @@ TEST(Phantom, DefaultFieldOfViewHoldsTheSkinAllAround) {
   const PhantomSettings settings;
   const auto grid = phantom_grid(model, settings.size, settings.spacing_mm);
   const double last_x = static_cast<double>(grid.size[0] - 1), last_y = static_cast<double>(grid.size[1] - 1);
-  for (const double k : heart::testing::steps(0, 100, 9))  // below the shoulders
-    for (const double t : heart::testing::steps(0, 1.01, 0.02))
+  for (const double k : heartgen::testing::steps(0, 100, 9))  // below the shoulders
+    for (const double t : heartgen::testing::steps(0, 1.01, 0.02))
       for (const Vec3& index :
            {Vec3{0, t * last_y, k}, Vec3{last_x, t * last_y, k}, Vec3{t * last_x, 0, k}, Vec3{t * last_x, last_y, k}})
         EXPECT_EQ(region_at(model, lps_from_index(grid, index)), Region::none);
@@ -201,4 +201,4 @@ TEST(Phantom, RefusesSettingsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

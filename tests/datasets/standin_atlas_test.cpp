@@ -8,7 +8,7 @@
 #include "datasets/phantom/phantom.hpp"
 #include "model/labels.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 namespace {
 
 const TetMesh& atlas() {
@@ -102,4 +102,4 @@ TEST(StandinAtlas, HelixTurnsFromPlusToMinusSixty) {
 }
 
 }  // namespace
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

@@ -9,7 +9,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/volume.hpp"
 
-namespace heart::datasets {
+namespace heartgen::phantom {
 
 struct Survey {
   LabelVolume regions;
@@ -91,4 +91,4 @@ std::vector<double> component_volumes_ml(const Grid& grid, const Inside& inside)
   return sizes;
 }
 
-}  // namespace heart::datasets
+}  // namespace heartgen::phantom

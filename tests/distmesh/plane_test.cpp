@@ -8,14 +8,14 @@
 
 #include "generator/distmesh/distmesh.hpp"
 #include "generator/distmesh/improve_triangles.hpp"
-#include "generator/lattice/feature.hpp"
+#include "generator/tetmesh/feature.hpp"
 #include "model/error.hpp"
 
 namespace {
 
-using namespace heart;
-using namespace heart::distmesh;
-using lattice::Equation;
+using namespace heartgen;
+using namespace heartgen::distmesh;
+using tetmesh::Equation;
 
 /// A level set with its gradient: negative inside.
 using Field = std::function<Equation(const Vec3&)>;

@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "generator/distmesh/tetrahedra.hpp"
-#include "lattice/shapes.hpp"
+#include "tetmesh/shapes.hpp"
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 struct Tetrahedra {
   Complex complex;
@@ -19,10 +19,10 @@ Tetrahedra tetrahedra_of(const Materials& m, double edge_mm) {
   const auto truss = distmesh::relax(m, dimension, edge_mm, distmesh::usual_settings(dimension));
   EXPECT_EQ(truss.crossing, 0);
   Tetrahedra made{distmesh::complex_of(truss, m), 0};
-  lattice::derive_touches(made.complex);
-  lattice::compress(made.complex);
-  made.below_goal = lattice::repair(made.complex, m, {});
-  lattice::compress(made.complex);
+  tetmesh::derive_touches(made.complex);
+  tetmesh::compress(made.complex);
+  made.below_goal = tetmesh::repair(made.complex, m, {});
+  tetmesh::compress(made.complex);
   return made;
 }
 
@@ -51,15 +51,15 @@ TEST(DistMeshSpace, TheWholeSurfaceOfABallTouchesTheOutside) {
   const auto m = materials_of(ball(9), 12, 1.5);
   const auto dimension = distmesh::Dimension::three;
   auto complex = distmesh::complex_of(distmesh::relax(m, dimension, 1.5, distmesh::usual_settings(dimension)), m);
-  lattice::derive_touches(complex);
-  lattice::compress(complex);
+  tetmesh::derive_touches(complex);
+  tetmesh::compress(complex);
   int outer_faces = 0;
   for (const auto& cell : complex.cells)
     for (std::size_t left_out = 0; left_out < 4; ++left_out) {
       const auto a = cell[(left_out + 1) % 4], b = cell[(left_out + 2) % 4], c = cell[(left_out + 3) % 4];
-      if (lattice::cells_at_face(complex, a, b, c)[1] >= 0) continue;
+      if (tetmesh::cells_at_face(complex, a, b, c)[1] >= 0) continue;
       ++outer_faces;
-      EXPECT_NE(complex.bits(a) & complex.bits(b) & complex.bits(c) & lattice::bit_of(0), 0U);
+      EXPECT_NE(complex.bits(a) & complex.bits(b) & complex.bits(c) & tetmesh::bit_of(0), 0U);
     }
   EXPECT_GT(outer_faces, 100);
 }

@@ -24,7 +24,7 @@
 #include "support/files.hpp"
 #include "support/two_region_mesh.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -648,4 +648,4 @@ TEST(Sha256, KnownDigest) {
 }
 
 }  // namespace
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -10,7 +10,7 @@
 #include "support/files.hpp"
 #include "support/two_region_mesh.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 using testing::error_of;
@@ -77,4 +77,4 @@ TEST(Cut, OuterFacesAlone) {
 }
 
 }  // namespace
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -10,7 +10,7 @@
 #include "support/fibred_heart.hpp"
 #include "support/files.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ TEST(Decks, RunInTheSolversThatAreInstalled) {
 }
 
 }  // namespace
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -17,7 +17,7 @@
 #include "support/files.hpp"
 #include "support/two_region_mesh.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ TEST(Export, NamesOfAFileDoNotLeaveTheFolder) {
 }
 
 }  // namespace
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -10,7 +10,7 @@
 #include "support/files.hpp"
 #include "support/two_region_mesh.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 using testing::two_region_mesh;
@@ -68,4 +68,4 @@ TEST(OpenFoam, ZonesAndPatchesHaveTheirNames) {
 }
 
 }  // namespace
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

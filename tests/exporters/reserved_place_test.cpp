@@ -7,7 +7,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart::exporters {
+namespace heartgen::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,4 +145,4 @@ TEST(ReservedPlace, AFileInTheWayIsNamed) {
 }
 
 }  // namespace
-}  // namespace heart::exporters
+}  // namespace heartgen::exporters

@@ -12,10 +12,8 @@
 #include "generator/parallel/threads.hpp"
 #include "support/model_heart.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
-
-using atlas::AxisTensor;
 
 struct Gap {
   TetMesh mesh;
@@ -31,7 +29,7 @@ Gap wall_with_gaps() {
   gap.missing.resize(gap.mesh.nodes_mm.size());
   for (std::size_t n = 0; n < gap.missing.size(); ++n) {
     const Vec3& p = gap.mesh.nodes_mm[n];
-    gap.axes.push_back(atlas::axis_tensor(testing::fiber_of(heart, p)));
+    gap.axes.push_back(axis_tensor(testing::fiber_of(heart, p)));
     gap.missing[n] = norm(p - Vec3{23, 0, 0}) < 8 || norm(p - Vec3{0, 23, -10}) < 5;
     if (gap.missing[n]) gap.axes[n] = {};
   }
@@ -56,7 +54,7 @@ TEST(InpaintMesh, GapsInAWallAreFilledWithUnitAxesNearTheKnownField) {
       continue;
     }
     ASSERT_NEAR(trace(gap.axes[n]), 1, 1e-9);
-    const Vec3 axis = atlas::leading_axis(gap.axes[n]);
+    const Vec3 axis = leading_axis(gap.axes[n]);
     sum += testing::axis_angle_deg(axis, testing::fiber_of({}, gap.mesh.nodes_mm[n]));
   }
   // The larger gap goes through the whole wall, in which fibres turn by 120 degrees.
@@ -91,8 +89,7 @@ Chain chain_of(std::size_t between) {
     if (e + 1 < count) chain.graph.neighbor.push_back(static_cast<std::int32_t>(e + 1));
     chain.graph.start.push_back(static_cast<std::int64_t>(chain.graph.neighbor.size()));
     const double share = static_cast<double>(e) / static_cast<double>(count - 1);
-    chain.axes.push_back((1 - share) * atlas::axis_tensor({1, 0, 0}) +
-                         share * atlas::axis_tensor({std::cos(end), std::sin(end), 0}));
+    chain.axes.push_back((1 - share) * axis_tensor({1, 0, 0}) + share * axis_tensor({std::cos(end), std::sin(end), 0}));
     chain.blended.push_back(e > 0 && e + 1 < count);
   }
   chain.graph.distance_mm.assign(chain.graph.neighbor.size(), 1);
@@ -102,8 +99,7 @@ Chain chain_of(std::size_t between) {
 double largest_turn_deg(const Chain& chain) {
   double largest = 0;
   for (std::size_t e = 1; e < chain.axes.size(); ++e)
-    largest = std::max(
-        largest, testing::axis_angle_deg(atlas::leading_axis(chain.axes[e - 1]), atlas::leading_axis(chain.axes[e])));
+    largest = std::max(largest, testing::axis_angle_deg(leading_axis(chain.axes[e - 1]), leading_axis(chain.axes[e])));
   return largest;
 }
 
@@ -203,7 +199,7 @@ TEST(InpaintGrid, EqualsTheGraphOfItsFacesBitForBit) {
   std::vector<std::uint8_t> missing;
   for (std::size_t v = 0; v < gap.wall.voxels.size(); ++v) {
     const bool known = norm(gap.fiber.voxels[v]) > 0.5;
-    axes.push_back(known ? atlas::axis_tensor(normalized(gap.fiber.voxels[v])) : AxisTensor{});
+    axes.push_back(known ? axis_tensor(normalized(gap.fiber.voxels[v])) : AxisTensor{});
     missing.push_back(gap.wall.voxels[v] && !known);
   }
   const auto holes = std::count(missing.begin(), missing.end(), 1);
@@ -212,7 +208,7 @@ TEST(InpaintGrid, EqualsTheGraphOfItsFacesBitForBit) {
   const auto filled = inpaint_axes(gap.fiber, gap.wall, 40, parallel::self());
   for (std::size_t v = 0; v < axes.size(); ++v) {
     const Vec3 before = gap.fiber.voxels[v];
-    ASSERT_EQ(filled.voxels[v], norm(before) > 0.5 ? before : atlas::leading_axis(axes[v])) << v;
+    ASSERT_EQ(filled.voxels[v], norm(before) > 0.5 ? before : leading_axis(axes[v])) << v;
   }
 }
 
@@ -223,4 +219,4 @@ TEST(InpaintGrid, WhatNothingReachesStaysWithoutAnAxis) {
 }
 
 }  // namespace
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

@@ -12,7 +12,7 @@
 
 #include "support/model_heart.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 using testing::axis_angle_deg;
@@ -34,7 +34,7 @@ fibers::AngleSamples slab(const std::function<Vec3(int number, double depth)>& l
         const auto number = static_cast<int>(samples.tensor.size());
         samples.feature.push_back(
             fibers::place_feature({2.0 * i, 2.0 * j, 10 * depth}, depth, bend_at(2.0 * i), outwards));
-        samples.tensor.push_back(atlas::axis_tensor(local_axis(number, depth)));
+        samples.tensor.push_back(axis_tensor(local_axis(number, depth)));
       }
   return samples;
 }
@@ -42,7 +42,7 @@ fibers::AngleSamples slab(const std::function<Vec3(int number, double depth)>& l
 Vec3 carried_at(const fibers::AngleSamples& samples, const Vec3& place_mm, double depth, double bend = 0,
                 const Vec3& normal = outwards) {
   const auto feature = fibers::place_feature(place_mm, depth, bend, normal);
-  return atlas::leading_axis(fibers::fit_local_angles(samples, {feature}).front().tensor);
+  return leading_axis(fibers::fit_local_angles(samples, {feature}).front().tensor);
 }
 
 TEST(LocalAngles, AHelixThatTurnsWithDepthIsFoundBetweenTheSamples) {
@@ -88,7 +88,7 @@ TEST(LocalAngles, WhatWasMeasuredInABendOfTheWallTellsOfBends) {
   const auto bend_at = [&](double x_mm) { return std::abs(x_mm) < half_width_mm ? bent : 0.0; };
   fibers::AngleSamples samples = slab([&](int, double) { return straight; }, bend_at);
   for (std::size_t n = 0; n < samples.feature.size(); ++n)
-    if (std::abs(fibers::place_of(samples.feature[n]).x) < half_width_mm) samples.tensor[n] = atlas::axis_tensor(off);
+    if (std::abs(fibers::place_of(samples.feature[n]).x) < half_width_mm) samples.tensor[n] = axis_tensor(off);
   EXPECT_LT(axis_angle_deg(carried_at(samples, {0.3, 0.7, 5}, 0.5), straight), 3);
   EXPECT_LT(axis_angle_deg(carried_at(samples, {0.3, 0.7, 5}, 0.5, bent), off), 3);
 }
@@ -105,7 +105,7 @@ fibers::AngleSamples fold(const Vec3& before, const Vec3& behind) {
     const Vec3 place = fibers::place_of(samples.feature[n]);
     const double depth = place.z / 10;
     samples.feature[n] = fibers::place_feature(place, depth, 0, facing_at(place.x));
-    if (place.x > 0) samples.tensor[n] = atlas::axis_tensor(behind);
+    if (place.x > 0) samples.tensor[n] = axis_tensor(behind);
   }
   return samples;
 }
@@ -176,8 +176,7 @@ std::pair<double, double> off_between(const std::function<Vec3(double depth)>& h
   auto mean = fits[0].tensor;
   mean += fits[1].tensor;
   const auto between = fibers::between_fits({&fits[0], &fits[1]}, place(depth));
-  return {axis_angle_deg(atlas::leading_axis(between), helix(depth)),
-          axis_angle_deg(atlas::leading_axis(mean), helix(depth))};
+  return {axis_angle_deg(leading_axis(between), helix(depth)), axis_angle_deg(leading_axis(mean), helix(depth))};
 }
 
 TEST(LocalAngles, BetweenFitsAxesTurnAsTheSlopesSay) {
@@ -216,4 +215,4 @@ TEST(LocalAngles, FewSamplesAreAllUsed) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -10,23 +10,24 @@
 #include "generator/adapters/ceres_pose.hpp"
 #include "generator/adapters/itk_registration.hpp"
 #include "generator/adapters/vtk_io.hpp"
-#include "generator/atlas/axis_tensor.hpp"
-#include "generator/atlas/coordinates.hpp"
-#include "generator/atlas/distance_map.hpp"
-#include "generator/atlas/resample.hpp"
-#include "generator/atlas/trabeculae.hpp"
+#include "generator/atlas/atlas.hpp"
+#include "generator/atlas/atlas_image.hpp"
 #include "generator/fibers/frame.hpp"
 #include "generator/fibers/inpaint.hpp"
+#include "generator/image/isotropic_distance.hpp"
+#include "generator/image/resample.hpp"
+#include "generator/ventricles/coordinates.hpp"
+#include "generator/ventricles/trabeculae.hpp"
+#include "model/axis_tensor.hpp"
 #include "model/error.hpp"
 #include "support/data.hpp"
 #include "support/model_heart.hpp"
 #include "support/places.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
-using atlas::AxisTensor;
-using atlas::Part;
+using ventricles::Part;
 
 Grid cube(std::int64_t n, double spacing_mm) {
   Grid grid;
@@ -42,14 +43,13 @@ Vec3 at(const Grid& grid, std::int64_t i, std::int64_t j, std::int64_t k) {
 TEST(AxisTensor, LeadingAxisOfADyadIsTheAxis) {
   for (int n = 0; n < 50; ++n) {
     const Vec3 f = normalized({std::sin(1.7 * n), std::cos(2.3 * n), std::sin(0.9 * n + 1)});
-    EXPECT_LT(testing::axis_angle_deg(f, atlas::leading_axis(atlas::axis_tensor(f))), 1e-6);
+    EXPECT_LT(testing::axis_angle_deg(f, leading_axis(axis_tensor(f))), 1e-6);
   }
-  EXPECT_EQ(atlas::leading_axis(AxisTensor{}), Vec3{});
+  EXPECT_EQ(leading_axis(AxisTensor{}), Vec3{});
 }
 
 AxisTensor tensor_of(const std::array<Vec3, 3>& axes, const Vec3& values) {
-  return values.x * atlas::axis_tensor(axes[0]) + values.y * atlas::axis_tensor(axes[1]) +
-         values.z * atlas::axis_tensor(axes[2]);
+  return values.x * axis_tensor(axes[0]) + values.y * axis_tensor(axes[1]) + values.z * axis_tensor(axes[2]);
 }
 
 TEST(AxisTensor, LeadingAxisIsThatOfTheLargestEigenvalueHoweverNearTheNextOneIs) {
@@ -62,15 +62,15 @@ TEST(AxisTensor, LeadingAxisIsThatOfTheLargestEigenvalueHoweverNearTheNextOneIs)
       const Vec3 a = normalized({std::sin(1.7 * n), std::cos(2.3 * n), std::sin(0.9 * n + 1)});
       const Vec3 b = normalized(cross(a, {std::cos(0.4 * n), 0.3, 1})), c = cross(a, b);
       const auto t = tensor_of({a, b, c}, scale * values);
-      const Vec3 axis = atlas::leading_axis(t);
+      const Vec3 axis = leading_axis(t);
       const double gap = (values.x - values.y) / values.x;
       EXPECT_NEAR(norm(axis), 1, 1e-14);
       EXPECT_LT(norm(cross(axis, a)), 1e-14 / gap) << scale << " " << values.x << " " << values.y;
-      EXPECT_LT(norm(cross(axis, atlas::leading_axis_by_rotations(t))), 1e-14 / gap);
+      EXPECT_LT(norm(cross(axis, leading_axis_by_rotations(t))), 1e-14 / gap);
     }
-  EXPECT_EQ(atlas::leading_axis(atlas::axis_tensor({0, -2, 0})), (Vec3{0, 1, 0}));
-  EXPECT_EQ(atlas::leading_axis({{-1, -2, -3, 0.1, 0.2, 0.3}}), Vec3{});
-  EXPECT_NEAR(norm(atlas::leading_axis({{1, 1, 1, 0, 0, 0}})), 1, 1e-14);
+  EXPECT_EQ(leading_axis(axis_tensor({0, -2, 0})), (Vec3{0, 1, 0}));
+  EXPECT_EQ(leading_axis({{-1, -2, -3, 0.1, 0.2, 0.3}}), Vec3{});
+  EXPECT_NEAR(norm(leading_axis({{1, 1, 1, 0, 0, 0}})), 1, 1e-14);
 }
 
 TEST(MaterialAxes, AreOrthonormalEvenWhereTheWallRunsAlongTheFiber) {
@@ -86,7 +86,7 @@ TEST(MaterialAxes, AreOrthonormalEvenWhereTheWallRunsAlongTheFiber) {
 TEST(DistanceMap, EqualsTheSlowMinimum) {
   Mask mask(cube(12, 1.5));
   for (std::size_t v = 0; v < mask.voxels.size(); v += 97) mask.voxels[v] = 1;
-  const auto distance = atlas::distance_to(mask);
+  const auto distance = image::distance_to(mask);
   for (std::int64_t k = 0; k < 12; ++k)
     for (std::int64_t j = 0; j < 12; ++j)
       for (std::int64_t i = 0; i < 12; ++i) {
@@ -105,7 +105,7 @@ TEST(DistanceMap, IsExactWhetherTheMaskIsNearOrFar) {
     for (std::int64_t j = 0; j < 47; ++j)
       for (std::int64_t i = 0; i < 47; ++i)
         mask(i, j, k) = (i * i + 2 * j * j + k * k < 500 || (i > 40 && j > 40)) && (i + j * k) % 7 != 0;
-  const auto distance = atlas::distance_to(mask);
+  const auto distance = image::distance_to(mask);
   std::vector<Vec3> inside;
   for (std::int64_t v = 0; v < mask.grid.voxel_count(); ++v)
     if (mask.voxels[static_cast<std::size_t>(v)]) inside.push_back(at(mask.grid, v % 47, v / 47 % 47, v / (47 * 47)));
@@ -118,8 +118,8 @@ TEST(DistanceMap, IsExactWhetherTheMaskIsNearOrFar) {
 }
 
 /// A spherical shell, radii 14 and 26 mm, as a left ventricle.
-atlas::Ventricles shell() {
-  atlas::Ventricles result;
+ventricles::Ventricles shell() {
+  ventricles::Ventricles result;
   result.parts = Volume<std::uint8_t>(cube(56, 1.1));
   result.frame.base_point_mm = {30, 30, 30};
   result.frame.base_normal = result.frame.long_axis = {0, 0, -1};
@@ -154,13 +154,13 @@ TEST(WallCoordinates, DepthOfASphericalShellIsItsShareOfTheRadius) {
 }
 
 /// A right wall of 4 mm over a cavity with flat roofs that meet in a right angle at x = 30, z = 30.
-atlas::Ventricles roof() {
-  atlas::Ventricles result;
+ventricles::Ventricles roof() {
+  ventricles::Ventricles result;
   result.parts = Volume<std::uint8_t>(cube(56, 1.1));
   result.frame.long_axis = {0, 1, 0};
   result.frame.rv_side = {1, 0, 0};
   for (std::int64_t v = 0; v < result.parts.grid.voxel_count(); ++v) {
-    const Vec3 p = atlas::voxel_center(result.parts.grid, v);
+    const Vec3 p = image::voxel_center(result.parts.grid, v);
     const double above_mm = (p.z - 30 + std::abs(p.x - 30)) / std::sqrt(2);
     result.parts.voxels[static_cast<std::size_t>(v)] = tag(above_mm < 0   ? Part::rv_cavity
                                                            : above_mm < 4 ? Part::rv_wall
@@ -203,11 +203,11 @@ TEST(Trabeculae, ANarrowRidgeBecomesCavityAndTheWallUnderItStays) {
   const auto smooth = parts;
   int ridge = 0, left = 0, wall = 0, lost = 0;
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
-    const Vec3 p = atlas::voxel_center(parts.grid, static_cast<std::int64_t>(v)) - Vec3{30, 30, 30};
+    const Vec3 p = image::voxel_center(parts.grid, static_cast<std::int64_t>(v)) - Vec3{30, 30, 30};
     if (p.x > 0 && std::abs(p.y) < 3 && norm(p) > 11.5 && norm(p) < 14) parts.voxels[v] = tag(Part::lv_wall);
   }
   const auto ridged = parts;
-  atlas::give_trabeculae_to_cavity(parts, Part::lv_wall);
+  ventricles::give_trabeculae_to_cavity(parts, Part::lv_wall);
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
     const bool is_left = is(parts.voxels[v], Part::lv_wall);
     if (is(smooth.voxels[v], Part::lv_wall)) {
@@ -229,7 +229,7 @@ TEST(Trabeculae, AThickWallIsNotThinnedTowardsItsBase) {
   const Vec3 middle{39.3, 39.6, 0};
   std::int64_t walls = 0, left = 0;
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
-    const Vec3 p = atlas::voxel_center(parts.grid, static_cast<std::int64_t>(v)) - middle;
+    const Vec3 p = image::voxel_center(parts.grid, static_cast<std::int64_t>(v)) - middle;
     const double radius = std::hypot(p.x, p.y);
     const bool below = p.z < 60;
     const Part part = !below              ? (radius < orifice_mm ? Part::other : Part::outside)
@@ -239,13 +239,13 @@ TEST(Trabeculae, AThickWallIsNotThinnedTowardsItsBase) {
     parts.voxels[v] = tag(part);
     walls += part == Part::lv_wall;
   }
-  atlas::give_trabeculae_to_cavity(parts, Part::lv_wall);
+  ventricles::give_trabeculae_to_cavity(parts, Part::lv_wall);
   for (const auto v : parts.voxels) left += is(v, Part::lv_wall);
   EXPECT_GT(static_cast<double>(left), 0.99 * static_cast<double>(walls));  // voxels' steps take a few
 }
 
 TEST(HelixAngle, ARightHandedHelixIsPositive) {
-  atlas::WallPoint wall;  // on the +x side of a heart whose base is up
+  ventricles::WallPoint wall;  // on the +x side of a heart whose base is up
   wall.normal = {1, 0, 0};
   wall.longitudinal = {0, 0, -1};
   wall.circumferential = cross(wall.longitudinal, wall.normal);
@@ -273,14 +273,14 @@ fibers::NeighborGraph lattice(std::int64_t n) {
 
 TEST(Inpaint, AHoleInAConstantFieldIsFilledExactly) {
   constexpr std::int64_t n = 9;
-  const AxisTensor constant = atlas::axis_tensor(normalized({1, -2, 0.5}));
+  const AxisTensor constant = axis_tensor(normalized({1, -2, 0.5}));
   std::vector<AxisTensor> axes(n * n * n, constant);
   std::vector<std::uint8_t> missing(axes.size());
   for (std::int64_t k = 2; k < 9; ++k)
     for (std::int64_t j = 3; j < 7; ++j)
       for (std::int64_t i = 0; i < 6; ++i) {
         missing[static_cast<std::size_t>((k * n + j) * n + i)] = 1;
-        axes[static_cast<std::size_t>((k * n + j) * n + i)] = atlas::axis_tensor({0, 0, 1});
+        axes[static_cast<std::size_t>((k * n + j) * n + i)] = axis_tensor({0, 0, 1});
       }
   EXPECT_EQ(fibers::inpaint_axes(lattice(n), 40, axes, missing), 7 * 4 * 6);
   for (const auto& a : axes)
@@ -293,10 +293,10 @@ TEST(Inpaint, SignsDoNotMatterAndWhatNothingReachesStaysMissing) {
   graph.neighbor = {1, 0, 2, 1};
   graph.distance_mm = {1, 1, 1, 1};
   const Vec3 f = normalized({1, 1, 0});
-  std::vector<AxisTensor> axes{atlas::axis_tensor(f), {}, atlas::axis_tensor(-f), {}};
+  std::vector<AxisTensor> axes{axis_tensor(f), {}, axis_tensor(-f), {}};
   std::vector<std::uint8_t> missing{0, 1, 0, 1};
   EXPECT_EQ(fibers::inpaint_axes(graph, 10, axes, missing), 1);
-  EXPECT_LT(testing::axis_angle_deg(atlas::leading_axis(axes[1]), f), 1e-6);
+  EXPECT_LT(testing::axis_angle_deg(leading_axis(axes[1]), f), 1e-6);
   EXPECT_EQ(missing[3], 1);
 }
 
@@ -308,7 +308,7 @@ TEST(FitPose, FindsAKnownAffineMap) {
         const Vec3 d = at(target.grid, i, j, k) - Vec3{40, 38, 41};
         target(i, j, k) = static_cast<float>(std::sqrt(d.x * d.x + 3 * d.y * d.y + 0.4 * d.z * d.z + d.x * d.y));
       }
-  adapters::AffineMap truth;
+  AffineMap truth;
   truth.matrix = {{Vec3{1.05, 0.1, 0}, Vec3{-0.08, 0.97, 0.03}, Vec3{0.02, 0, 1.02}}};
   truth.offset_mm = {1, -2, 1.5};
   std::vector<Vec3> points;
@@ -322,7 +322,7 @@ TEST(FitPose, FindsAKnownAffineMap) {
       }
   const auto fit = adapters::fit_pose({}, {40, 40, 40}, points, {&target}, values, adapters::PoseFreedom::affine);
   EXPECT_LT(fit.rms, 0.05);
-  const auto back = adapters::inverse(fit.map);
+  const auto back = inverse(fit.map);
   EXPECT_LT(norm(back(fit.map(Vec3{3, 4, 5})) - Vec3{3, 4, 5}), 1e-9);
   // On a processor with other caches: Eigen, inside Ceres too, would cut its sums elsewhere.
   Eigen::setCpuCacheSizes(4 << 10, 16 << 10, 64 << 10);
@@ -405,9 +405,9 @@ TEST(FiberAtlas, IsReadFromALegacyVtkFile) {
 
 /// Checks that the two ventricles of an atlas were told apart and have believable volumes; returns the helix angles
 /// inside and outside of the left wall.
-std::array<double, 2> survey(const atlas::AtlasImage& image) {
+std::array<double, 2> survey(const ventricles::AtlasImage& image) {
   std::array<double, 6> ml{};
-  for (const auto v : atlas::cut_at_base(image.ventricles).voxels)
+  for (const auto v : ventricles::cut_at_base(image.ventricles).voxels)
     ml[v] += image.ventricles.parts.grid.voxel_volume_mm3() / 1000;
   EXPECT_GT(ml[tag(Part::lv_wall)], 1.5 * ml[tag(Part::rv_wall)]);
   EXPECT_GT(ml[tag(Part::lv_cavity)], 10);
@@ -422,19 +422,19 @@ std::array<double, 2> survey(const atlas::AtlasImage& image) {
         if (wall.known(i, j, k) != 1 || norm(f) < 0.5) continue;
         const auto point = wall_point(wall, image.ventricles.frame, at(g, i, j, k));
         if (!point) continue;
-        const AxisTensor local = atlas::axis_tensor({dot(f, point->circumferential), dot(f, point->longitudinal), 0});
+        const AxisTensor local = axis_tensor({dot(f, point->circumferential), dot(f, point->longitudinal), 0});
         if (point->depth < 0.2) inside += local;
         if (point->depth > 0.8) outside += local;
       }
   const auto angle = [](const AxisTensor& t) {
-    const Vec3 a = atlas::leading_axis(t);
+    const Vec3 a = leading_axis(t);
     return std::atan2(a.x < 0 ? -a.y : a.y, std::abs(a.x)) * 180 / std::acos(-1.0);
   };
   return {angle(inside), angle(outside)};
 }
 
 TEST(AtlasImage, StandInAtlasHasTheHelixItWasMadeWith) {
-  const auto mesh = datasets::make_standin_atlas();
+  const auto mesh = phantom::make_standin_atlas();
   const auto a = atlas::make_fiber_atlas("stand-in", mesh.nodes_mm, mesh.cells, mesh.node_fibers.fiber);
   const auto [inside, outside] = survey(atlas::image_of_atlas(a, 1.5));
   EXPECT_NEAR(inside, 48, 8);
@@ -459,4 +459,4 @@ TEST(AtlasImage, AMeshWithOneCavityIsAUserError) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

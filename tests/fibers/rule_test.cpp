@@ -9,10 +9,10 @@
 #include "generator/fibers/ventricle_rule.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
-#include "model/mesh_laplace.hpp"
+#include "model/mesh_queries/mesh_laplace.hpp"
 #include "support/model_heart.hpp"
 
-namespace heart::fibers {
+namespace heartgen::fibers {
 namespace {
 
 using std::numbers::pi;
@@ -100,8 +100,8 @@ TetMesh mesh_of(const Shell& shell, Region region, const char* endocardium, cons
   return mesh;
 }
 
-atlas::HeartFrame frame_with_apex_below() {
-  atlas::HeartFrame frame;
+ventricles::HeartFrame frame_with_apex_below() {
+  ventricles::HeartFrame frame;
   frame.base_normal = frame.long_axis = {0, 0, -1};
   frame.rv_side = {-1, 0, 0};
   return frame;
@@ -112,13 +112,13 @@ TEST(MeshLaplace, OnASphericalShellTheSolutionIsOneOverTheRadius) {
   const TetMesh mesh = mesh_of(shell, Region::lv_myocardium, "lv_endocardium", "mitral_orifice_rim");
   std::vector<std::int32_t> cells(mesh.cells.size());
   for (std::size_t c = 0; c < cells.size(); ++c) cells[c] = static_cast<std::int32_t>(c);
-  const auto matrix = make_stiffness(mesh, cells);
-  FixedValues fixed;
+  const auto matrix = mesh_queries::make_stiffness(mesh, cells);
+  mesh_queries::FixedValues fixed;
   for (const auto n : matrix.nodes) {
     const double r = norm(mesh.nodes_mm[static_cast<std::size_t>(n)]);
     fixed.push_back(r < 20.01 ? 1 : r > 29.99 ? 0 : std::nan(""));
   }
-  const auto solution = solve_laplace(matrix, fixed);
+  const auto solution = mesh_queries::solve_laplace(matrix, fixed);
   for (std::size_t n = 0; n < solution.size(); ++n) {
     const double r = norm(mesh.nodes_mm[static_cast<std::size_t>(matrix.nodes[n])]);
     ASSERT_NEAR(solution[n], (1 / r - 1.0 / 30) / (1.0 / 20 - 1.0 / 30), 0.01);
@@ -243,4 +243,4 @@ TEST(AtrialRule, AMeshWithoutAtriumHasNoField) {
 }
 
 }  // namespace
-}  // namespace heart::fibers
+}  // namespace heartgen::fibers

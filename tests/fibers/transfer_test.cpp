@@ -8,10 +8,10 @@
 #include <set>
 
 #include "generator/parallel/threads.hpp"
-#include "improve/blocks.hpp"
 #include "model/error.hpp"
+#include "tetmesh/blocks.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 constexpr double anywhere_mm = 1e9;
@@ -232,4 +232,4 @@ TEST(Transfer, AMeshWithoutFibresIsRefused) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

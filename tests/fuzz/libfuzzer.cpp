@@ -24,12 +24,12 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
     std::fputs("give --kind=, one of the folders of tests/fuzz/corpus\n", stderr);
     std::exit(2);
   }
-  heart::fuzz::limit_memory();
-  folder = heart::testing::scratch_folder("libfuzzer_" + std::to_string(getpid())).string();
+  heartgen::fuzz::limit_memory();
+  folder = heartgen::testing::scratch_folder("libfuzzer_" + std::to_string(getpid())).string();
   return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  heart::fuzz::feed(kind, {reinterpret_cast<const char*>(data), size}, folder);
+  heartgen::fuzz::feed(kind, {reinterpret_cast<const char*>(data), size}, folder);
   return 0;
 }

@@ -12,14 +12,14 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "generator/atlas/exnode_text.hpp"
 #include "generator/labels/names_file.hpp"
-#include "generator/meshes/any_mesh.hpp"
+#include "generator/mesh_files/any_mesh.hpp"
 #include "model/error.hpp"
 #include "model/landmarks.hpp"
 #include "model/memory.hpp"
 #include "model/recipe.hpp"
 #include "support/files.hpp"
 
-namespace heart::fuzz {
+namespace heartgen::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,7 +54,7 @@ void read_slice(const fs::path& path) {
 }
 
 void read_mesh(const fs::path& path) {
-  refusable([&] { meshes::read_any_mesh(path); });
+  refusable([&] { mesh_files::read_any_mesh(path); });
 }
 
 void read_ours(const fs::path& path) {
@@ -158,4 +158,4 @@ void limit_memory() {
   set_memory_limit(gib);
 }
 
-}  // namespace heart::fuzz
+}  // namespace heartgen::fuzz

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace heart::fuzz {
+namespace heartgen::fuzz {
 
 /// Kinds of files, as the folders of corpus/ are called.
 std::vector<std::string> kinds();
@@ -15,4 +15,4 @@ void feed(const std::string& kind, const std::string& bytes, const std::string& 
 /// Little memory, so that a count that is believed is noticed.
 void limit_memory();
 
-}  // namespace heart::fuzz
+}  // namespace heartgen::fuzz

@@ -23,7 +23,7 @@
 namespace {
 
 namespace fs = std::filesystem;
-using namespace heart;
+using namespace heartgen;
 
 constexpr unsigned slowest_s = 60;  // for one file; three times what a library may take for a small one
 constexpr std::size_t most_files = 40'000;

@@ -5,7 +5,7 @@
 #include "generator/labels/islands.hpp"
 #include "labels/toy_heart.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 using testing::fill;
@@ -124,4 +124,4 @@ TEST(ClosedValves, NameTheOrificeAndWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace heart::labels
+}  // namespace heartgen::labels

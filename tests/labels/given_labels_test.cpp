@@ -13,7 +13,7 @@
 #include "model/error.hpp"
 #include "support/data.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -391,4 +391,4 @@ TEST(Overlay, VesselsAreFollowedNoFartherThanTheReach) {
 }
 
 }  // namespace
-}  // namespace heart::labels
+}  // namespace heartgen::labels

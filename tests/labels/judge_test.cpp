@@ -11,7 +11,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart::labels {
+namespace heartgen::labels {
 namespace {
 
 using testing::fill;
@@ -116,4 +116,4 @@ TEST(LabelsBesideTheHeart, AreRefusedWhereTheWallIsAsBrightAsBlood) {
 }
 
 }  // namespace
-}  // namespace heart::labels
+}  // namespace heartgen::labels

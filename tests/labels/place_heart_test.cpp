@@ -10,19 +10,19 @@
 
 namespace {
 
-using namespace heart;
+using namespace heartgen;
 using labels::CommonMark;
 
-adapters::AffineMap turn_and_scale(double angle, double scale, const Vec3& shift) {
+AffineMap turn_and_scale(double angle, double scale, const Vec3& shift) {
   const double c = std::cos(angle), s = std::sin(angle);
-  adapters::AffineMap map;
+  AffineMap map;
   map.matrix = {{scale * Vec3{c, -s, 0}, scale * Vec3{s * std::sqrt(0.5), c * std::sqrt(0.5), -std::sqrt(0.5)},
                  scale * Vec3{s * std::sqrt(0.5), c * std::sqrt(0.5), std::sqrt(0.5)}}};
   map.offset_mm = shift;
   return map;
 }
 
-std::vector<CommonMark> marks_through(const adapters::AffineMap& map) {
+std::vector<CommonMark> marks_through(const AffineMap& map) {
   std::vector<CommonMark> marks;
   for (const auto& p : {Vec3{10, 20, 30}, Vec3{-40, 25, 0}, Vec3{5, -30, 60}, Vec3{0, 0, -20}, Vec3{33, 8, 1}})
     marks.push_back({"mark", p, map(p)});

@@ -5,7 +5,7 @@
 #include "model/labels.hpp"
 #include "model/volume.hpp"
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 inline Region toy_region(const Vec3& p) {
   using enum Region;
@@ -55,4 +55,4 @@ inline std::int64_t voxels_of(const LabelVolume& labels, Region region) {
   return std::count(labels.voxels.begin(), labels.voxels.end(), tag(region));
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

@@ -5,13 +5,13 @@
 
 #include <numbers>
 
+#include "generator/image/sections.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/contact.hpp"
 #include "generator/landmarks/divide_at_plane.hpp"
-#include "generator/landmarks/statistics.hpp"
 #include "generator/landmarks/valve_patch.hpp"
-#include "generator/segment/sections.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 Grid box_of(std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -39,7 +39,7 @@ TEST(Basins, AreDividedAtAConstriction) {
   // The line lies in the tube, which is equally wide for 5 mm on both sides of the middle.
   const auto contact = contact_surface(
       basins.label, [](std::int32_t l) { return l == 1; }, [](std::int32_t l) { return l == 2; });
-  EXPECT_NEAR(mean(contact.points).x, 48, 5);
+  EXPECT_NEAR(image::mean(contact.points).x, 48, 5);
   EXPECT_NEAR(norm(contact.area_mm2), std::numbers::pi * 64, 0.12 * std::numbers::pi * 64);
 }
 
@@ -74,10 +74,10 @@ TEST(Sections, OfAnObliqueTubeAreTightestAcrossIt) {
     const double radius = 9 + 0.02 * along * along;  // narrowest at the centre
     blood.voxels[v] = norm(p - centre - along * axis) < radius;
   });
-  const auto plane = segment::tightest_plane(blood, centre + 4 * axis, Vec3{0, 0, 1}, 6);
+  const auto plane = image::tightest_plane(blood, centre + 4 * axis, Vec3{0, 0, 1}, 6);
   ASSERT_TRUE(plane.has_value());
   EXPECT_NEAR(dot(plane->section.centre_mm - centre, axis), 0, 2);
-  EXPECT_LT(angle_deg(plane->normal, axis), 6);
+  EXPECT_LT(image::angle_deg(plane->normal, axis), 6);
   EXPECT_NEAR(plane->section.diameter_mm(), 18, 1);
 }
 
@@ -100,7 +100,7 @@ TEST(Statistics, TwoMediansOfTwoGroups) {
     values.push_back(static_cast<float>(50 + n));
     values.push_back(static_cast<float>(400 + 2 * n));
   }
-  const auto levels = two_medians(values, 0.2, 0.8);
+  const auto levels = image::two_medians(values, 0.2, 0.8);
   EXPECT_NEAR(levels.low, 50, 1);
   EXPECT_NEAR(levels.high, 400, 2);
 }
@@ -108,11 +108,11 @@ TEST(Statistics, TwoMediansOfTwoGroups) {
 TEST(Statistics, PrincipalAxesOfALine) {
   std::vector<Vec3> points;
   for (int n = -5; n <= 5; ++n) points.push_back({1.0 + n, 2.0 + 2 * n, 3.0 - 2 * n});
-  const auto axes = principal_axes(points);
+  const auto axes = image::principal_axes(points);
   EXPECT_NEAR(std::abs(dot(axes.axis[0], normalized({1, 2, -2}))), 1, 1e-12);
   EXPECT_NEAR(axes.deviation[0], 3 * std::sqrt(10.0), 1e-9);
   EXPECT_NEAR(axes.deviation[2], 0, 1e-6);
 }
 
 }  // namespace
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

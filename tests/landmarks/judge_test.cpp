@@ -5,7 +5,7 @@
 
 #include "generator/landmarks/left_wall.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 FoundLandmarks all_found() {
@@ -81,4 +81,4 @@ TEST(LeftWall, IsMuscleOfAVentricleAndBoneOfAVertebra) {
 }
 
 }  // namespace
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

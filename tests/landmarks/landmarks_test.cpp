@@ -9,26 +9,26 @@
 
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
-#include "generator/landmarks/statistics.hpp"
+#include "generator/anatomy/padding.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/parallel/threads.hpp"
-#include "generator/segment/padding.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
 #include "support/data.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 /// Coarse, so that the test is fast; the search works at 1.5 mm anyway.
-const datasets::Phantom& phantom(int variant) {
-  static std::map<int, datasets::Phantom> made;
+const phantom::Phantom& phantom(int variant) {
+  static std::map<int, phantom::Phantom> made;
   if (!made.contains(variant)) {
-    datasets::PhantomSettings settings;
+    phantom::PhantomSettings settings;
     settings.variant = variant;
     settings.size = {164, 164, 122};
     settings.spacing_mm = {2.2, 2.2, 2.5};
     settings.companions = false;
-    made.emplace(variant, datasets::make_phantom(settings));
+    made.emplace(variant, phantom::make_phantom(settings));
   }
   return made.at(variant);
 }
@@ -47,7 +47,7 @@ TEST_P(OnPhantom, SeedsLieInTheirRegions) {
   const FoundLandmarks& found = found_in(GetParam());
   for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "aorta", "pulmonary_artery", "trachea"}) {
     ASSERT_TRUE(found.landmarks.seeds_mm.contains(name)) << name;
-    EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
+    EXPECT_EQ(region_name(tag(phantom::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
   }
   EXPECT_GT(found.confidence, 0.7);
 }
@@ -59,12 +59,12 @@ TEST_P(OnPhantom, ValvesAxisAndApexAreNearTheTruth) {
     ASSERT_TRUE(found.landmarks.valves.contains(name)) << name;
     const ValvePlane& valve = found.landmarks.valves.at(name);
     EXPECT_LT(norm(valve.center_mm - truth.center_mm), 5) << name;
-    EXPECT_LT(angle_deg(valve.normal, truth.normal), 15) << name;
+    EXPECT_LT(image::angle_deg(valve.normal, truth.normal), 15) << name;
     EXPECT_NEAR(norm(valve.normal), 1, 1e-9) << name;
     EXPECT_GT(valve.radius_mm, 0.95 * truth.radius_mm) << name;
     EXPECT_LT(valve.radius_mm, 1.5 * truth.radius_mm) << name;
   }
-  EXPECT_LT(angle_deg(found.long_axis, -datasets::long_axis(p.model)), 3);
+  EXPECT_LT(image::angle_deg(found.long_axis, -phantom::long_axis(p.model)), 3);
   ASSERT_TRUE(found.landmarks.lv_apex_mm.has_value());
   EXPECT_LT(norm(*found.landmarks.lv_apex_mm - *p.landmarks.lv_apex_mm), 4);
 }
@@ -74,17 +74,17 @@ INSTANTIATE_TEST_SUITE_P(Variants, OnPhantom, ::testing::Values(0, 7));
 
 /// Right blood 16 HU darker than muscle. Little noise: at 2.2 mm it weighs as much as 22 HU do at 0.7 mm.
 TEST(FindLandmarks, FindsARightHeartDarkerThanItsMuscle) {
-  datasets::PhantomSettings settings;
+  phantom::PhantomSettings settings;
   settings.variant = 8;
   settings.size = {164, 164, 122};
   settings.spacing_mm = {2.2, 2.2, 2.5};
   settings.noise_hu = 4;
   settings.companions = false;
-  const auto p = datasets::make_phantom(settings);
+  const auto p = phantom::make_phantom(settings);
   const FoundLandmarks found = find_landmarks(p.ct);
   for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "pulmonary_artery"}) {
     ASSERT_TRUE(found.landmarks.seeds_mm.contains(name)) << name;
-    EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
+    EXPECT_EQ(region_name(tag(phantom::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
   }
   // Voxels of 2.5 mm blur the pulmonary artery's thin wall, whose begin tells where its valve is.
   const std::map<std::string, double> bounds_mm = {{"tricuspid", 4}, {"pulmonary", 6}};
@@ -92,7 +92,7 @@ TEST(FindLandmarks, FindsARightHeartDarkerThanItsMuscle) {
     ASSERT_TRUE(found.landmarks.valves.contains(name)) << name;
     const ValvePlane &valve = found.landmarks.valves.at(name), &truth = p.landmarks.valves.at(name);
     EXPECT_LT(norm(valve.center_mm - truth.center_mm), bound_mm) << name;
-    EXPECT_LT(angle_deg(valve.normal, truth.normal), 12) << name;
+    EXPECT_LT(image::angle_deg(valve.normal, truth.normal), 12) << name;
   }
   EXPECT_LT(found.confidence, 0.9);
   EXPECT_TRUE(std::any_of(found.warnings.begin(), found.warnings.end(),
@@ -103,7 +103,7 @@ TEST(FindLandmarks, FindsARightHeartDarkerThanItsMuscle) {
 struct Unusual {
   const char* name;
   int variant;
-  datasets::HeartOverrides heart;
+  phantom::HeartOverrides heart;
   double noise_hu;
   std::map<std::string, double> farthest_mm;  ///< of a valve from the truth
   bool faint = false;                         ///< a right heart that must be told to be as grey as muscle
@@ -112,14 +112,14 @@ struct Unusual {
 class OnUnusualHeart : public ::testing::TestWithParam<Unusual> {};
 
 TEST_P(OnUnusualHeart, ValvesAreNearTheTruth) {
-  datasets::PhantomSettings settings;
+  phantom::PhantomSettings settings;
   settings.variant = GetParam().variant;
   settings.overrides = GetParam().heart;
   settings.noise_hu = GetParam().noise_hu;
   settings.size = {164, 164, 122};
   settings.spacing_mm = {2.2, 2.2, 2.5};
   settings.companions = settings.fibers = false;
-  const auto p = datasets::make_phantom(settings);
+  const auto p = phantom::make_phantom(settings);
   const FoundLandmarks found = find_landmarks(p.ct);
   for (const auto& [name, farthest_mm] : GetParam().farthest_mm) {
     ASSERT_TRUE(found.landmarks.valves.contains(name)) << name;
@@ -169,7 +169,7 @@ TEST(FindLandmarks, FindsAHeartInALatePhase) {
   const FoundLandmarks found = find_landmarks(thinned_contrast(p.ct, 0.25));  // left blood of 186 HU
   for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "aorta", "pulmonary_artery"}) {
     ASSERT_TRUE(found.landmarks.seeds_mm.contains(name)) << name;
-    EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
+    EXPECT_EQ(region_name(tag(phantom::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
   }
   for (const auto& [name, truth] : p.landmarks.valves)
     EXPECT_LT(norm(found.landmarks.valves.at(name).center_mm - truth.center_mm), 8) << name;
@@ -251,10 +251,10 @@ TEST(FindLandmarks, FindsTheHeartInClosedPadding) {
   for (const int variant : {0, 7}) {
     const auto& p = phantom(variant);
     CtVolume ct = in_padding(p.ct);
-    segment::close_padding(ct, segment::find_padding(ct));
+    anatomy::close_padding(ct, anatomy::find_padding(ct));
     const auto found = find_landmarks(ct);
     for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood"})
-      EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name) << variant;
+      EXPECT_EQ(region_name(tag(phantom::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name) << variant;
   }
 }
 
@@ -292,7 +292,7 @@ TEST(FindLandmarks, FindsTheHeartWhereTheImageEndsBeforeTheSpine) {
       EXPECT_GT(found.confidence, 0.7) << variant << " " << margin_mm;
       for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "aorta", "pulmonary_artery"}) {
         ASSERT_TRUE(found.landmarks.seeds_mm.contains(name)) << name << " " << variant << " " << margin_mm;
-        EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
+        EXPECT_EQ(region_name(tag(phantom::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
       }
       for (const auto& [name, truth] : p.landmarks.valves) {
         ASSERT_TRUE(found.landmarks.valves.contains(name)) << name << " " << variant << " " << margin_mm;
@@ -379,7 +379,7 @@ TEST(FindLandmarks, FindsTheHeartInASlantedFieldOfView) {
       }
   const auto found = find_landmarks(slanted);
   for (const char* name : {"lv_blood", "rv_blood", "la_blood", "ra_blood", "aorta"})
-    EXPECT_EQ(region_name(tag(datasets::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
+    EXPECT_EQ(region_name(tag(phantom::region_at(p.model, found.landmarks.seeds_mm.at(name)))), name);
   EXPECT_GT(found.confidence, 0.7);
 }
 
@@ -415,7 +415,7 @@ void expect_near(const FoundLandmarks& found, const Expected& expected) {
 
 /// As the program searches: what was not measured is closed first.
 FoundLandmarks find_in_scan(CtVolume ct) {
-  segment::close_padding(ct, segment::find_padding(ct));
+  anatomy::close_padding(ct, anatomy::find_padding(ct));
   return find_landmarks(ct);
 }
 
@@ -493,4 +493,4 @@ TEST(RealScans, UngatedChestCtWithFewerSlices) {
 }
 
 }  // namespace
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

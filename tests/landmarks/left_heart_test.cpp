@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 enum Label : std::int32_t { aorta = 1, atrium, base, apex };
@@ -63,4 +63,4 @@ TEST(LeftHeart, AnAtriumIsNoBase) {
 }
 
 }  // namespace
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -8,13 +8,13 @@
 #include <random>
 
 #include "datasets/phantom/anatomy.hpp"
-#include "generator/landmarks/statistics.hpp"
+#include "generator/image/sections.hpp"
+#include "generator/image/statistics.hpp"
 #include "generator/landmarks/usual_valves.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/sections.hpp"
 #include "support/noise.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double muscle_hu = 110, fat_hu = -90, bag_mm = 28;
@@ -66,7 +66,7 @@ Scan scan(const Bag& bag, unsigned seed) {
 
 /// Off by 5 mm along, 6 mm across and 14 degrees.
 ValvePatch first_guess(const Bag& bag) {
-  const segment::PlaneFrame frame = segment::frame_across(bag.normal);
+  const image::PlaneFrame frame = image::frame_across(bag.normal);
   ValvePatch start;
   start.normal = normalized(bag.normal + 0.25 * frame.u);
   start.centre_mm = bag.hole_mm + 5 * bag.normal + 6 * frame.v;
@@ -84,7 +84,7 @@ TEST_P(Orifice, IsFoundInNoiseAboveTheContrast) {
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(std::abs(dot(found->centre_mm - bag.hole_mm, bag.normal)), 1.5);  // inside the plate
   EXPECT_LT(norm(found->centre_mm - bag.hole_mm), 2);
-  EXPECT_LT(angle_deg(found->normal, bag.normal), 3);
+  EXPECT_LT(image::angle_deg(found->normal, bag.normal), 3);
   EXPECT_NEAR(found->diameter_mm, 2 * bag.radius_mm, 3);
 }
 INSTANTIATE_TEST_SUITE_P(Contrasts, Orifice, ::testing::Values(-30.0, -8.0, 5.0));
@@ -116,16 +116,16 @@ ValvePatch patch_of(const ValvePlane& plane) {
 
 TEST(UsualTricuspid, IsNearTheTrueOneInEveryPose) {
   for (int variant = 0; variant < 20; ++variant) {
-    const auto model = datasets::make_heart_model(variant);
-    const auto marks = datasets::landmarks_of(model);
+    const auto model = phantom::make_heart_model(variant);
+    const auto marks = phantom::landmarks_of(model);
     LongAxis axis;
-    axis.direction = -datasets::long_axis(model);
+    axis.direction = -phantom::long_axis(model);
     const auto usual = usual_tricuspid(patch_of(marks.valves.at("mitral")), patch_of(marks.valves.at("aortic")), axis);
     const ValvePlane& truth = marks.valves.at("tricuspid");
     EXPECT_LT(norm(usual.centre_mm - truth.center_mm), 14) << variant;
-    EXPECT_LT(angle_deg(usual.normal, truth.normal), 20) << variant;
+    EXPECT_LT(image::angle_deg(usual.normal, truth.normal), 20) << variant;
   }
 }
 
 }  // namespace
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

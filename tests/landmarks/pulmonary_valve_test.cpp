@@ -7,12 +7,12 @@
 #include <cmath>
 #include <random>
 
+#include "generator/image/gaussian.hpp"
 #include "generator/landmarks/working_image.hpp"
-#include "generator/segment/gaussian.hpp"
 #include "model/labels.hpp"
 #include "support/noise.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 constexpr double muscle_hu = 110, blood_hu = 118, vessel_hu = 60, fat_hu = -95;
@@ -58,10 +58,10 @@ Scene make_scene(double valve_mm, double noise_hu, bool collar = false) {
     if (radial_mm(p) < radius_mm)
       scene.chambers.voxels[v] = tag(dot(p, axis) < 0 ? Region::rv_blood : Region::pulmonary_artery);
   });
-  scene.image.smooth = segment::gaussian(scene.image.hu, 1);
+  scene.image.smooth = image::gaussian(scene.image.hu, 1);
   const Mask none(grid);
   scene.right = {
-      {muscle_hu, blood_hu, 1}, segment::measure_walls(scene.image.hu, none, none, muscle_hu), Mask(grid, 1)};
+      {muscle_hu, blood_hu, 1}, anatomy::measure_walls(scene.image.hu, none, none, muscle_hu), Mask(grid, 1)};
   return scene;
 }
 
@@ -105,4 +105,4 @@ TEST(PulmonaryValve, WhereNoWallTellsTheNearerToTheUsualPlaceCounts) {
 }
 
 }  // namespace
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

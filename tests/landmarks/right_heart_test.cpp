@@ -5,7 +5,7 @@
 
 #include "model/labels.hpp"
 
-namespace heart::landmarks {
+namespace heartgen::landmarks {
 namespace {
 
 void fill(LabelVolume& labels, const Index3& begin, const Index3& end, Region region) {
@@ -42,4 +42,4 @@ TEST(MainPieces, TheLargestWhereNoneTouchesTheVentricle) {
 }
 
 }  // namespace
-}  // namespace heart::landmarks
+}  // namespace heartgen::landmarks

@@ -8,8 +8,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 MeshSettings distmesh_settings() {
   MeshSettings settings;

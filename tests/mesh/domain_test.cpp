@@ -13,8 +13,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 // Thickness (mm) of `region` along x through the middle of the map.
 double thickness_mm(const mesh::MeshDomain& domain, Region region) {
@@ -22,7 +22,7 @@ double thickness_mm(const mesh::MeshDomain& domain, Region region) {
   const auto& grid = domain.grid;
   const Vec3 middle{0, 0.5 * static_cast<double>(grid.size[1] - 1), 0.5 * static_cast<double>(grid.size[2] - 1)};
   double thickness = 0;
-  for (const double x : heart::testing::steps(0, static_cast<double>(grid.size[0] - 1), step_mm / grid.spacing_mm.x))
+  for (const double x : heartgen::testing::steps(0, static_cast<double>(grid.size[0] - 1), step_mm / grid.spacing_mm.x))
     thickness += mesh::region_at(domain, {x, middle.y, middle.z}) == tag(region) ? step_mm : 0;
   return thickness;
 }
@@ -47,7 +47,7 @@ TEST(Domain, WallBetweenTwoAtriaKeepsItsThickness) {
 TEST(Domain, PlaneStaysWhereItIsAndIsFlat) {
   const auto labels = label_cube(21, 1, [](const Vec3& p) { return p.x < -0.5 ? Region::lv_blood : Region::torso; });
   const auto domain = mesh::make_domain(labels, 1);
-  for (const double y : heart::testing::steps(3, 17, 0.37)) {
+  for (const double y : heartgen::testing::steps(3, 17, 0.37)) {
     EXPECT_EQ(mesh::region_at(domain, {9.49, y, y / 2}), tag(Region::lv_blood));
     EXPECT_EQ(mesh::region_at(domain, {9.51, y, y / 2}), tag(Region::torso));
   }
@@ -61,9 +61,9 @@ TEST(Domain, SmoothingTheBodyLeavesTheHeartAlone) {
   });
   const auto plain = mesh::make_domain(labels, 0.8), smoothed = mesh::make_domain(labels, 0.8, 6);
   std::int64_t bone_before = 0, bone_after = 0;
-  for (const double x : heart::testing::steps(0, 25, 0.37))
-    for (const double y : heart::testing::steps(0, 25, 0.39))
-      for (const double z : heart::testing::steps(0, 25, 0.41)) {
+  for (const double x : heartgen::testing::steps(0, 25, 0.37))
+    for (const double y : heartgen::testing::steps(0, 25, 0.39))
+      for (const double z : heartgen::testing::steps(0, 25, 0.41)) {
         const auto before = mesh::region_at(plain, {x, y, z}), after = mesh::region_at(smoothed, {x, y, z});
         const auto is_heart = [](std::uint8_t t) {
           return t == tag(Region::lv_blood) || t == tag(Region::lv_myocardium);
@@ -89,9 +89,9 @@ TEST(Domain, UniformCubesAgreeWithTheShares) {
     const auto domain = mesh::make_domain(labels, 0.8, body_smoothing_mm);
     auto slow = domain;
     std::fill(slow.cubes.begin(), slow.cubes.end(), mesh::MeshDomain::mixed);
-    for (const double x : heart::testing::steps(-1, 25, 0.71))
-      for (const double y : heart::testing::steps(-1, 25, 0.83))
-        for (const double z : heart::testing::steps(-1, 25, 0.97))
+    for (const double x : heartgen::testing::steps(-1, 25, 0.71))
+      for (const double y : heartgen::testing::steps(-1, 25, 0.83))
+        for (const double z : heartgen::testing::steps(-1, 25, 0.97))
           ASSERT_EQ(mesh::region_at(domain, {x, y, z}), mesh::region_at(slow, {x, y, z}));
   }
 }
@@ -114,9 +114,9 @@ TEST(Domain, SingleSliceIsNoProblem) {
 double volume_voxels(const mesh::MeshDomain& domain, Region region) {
   constexpr double step = 0.25;
   double volume = 0;
-  for (const double z : heart::testing::steps(step / 2, static_cast<double>(domain.grid.size[2] - 1), step))
-    for (const double y : heart::testing::steps(step / 2, static_cast<double>(domain.grid.size[1] - 1), step))
-      for (const double x : heart::testing::steps(step / 2, static_cast<double>(domain.grid.size[0] - 1), step))
+  for (const double z : heartgen::testing::steps(step / 2, static_cast<double>(domain.grid.size[2] - 1), step))
+    for (const double y : heartgen::testing::steps(step / 2, static_cast<double>(domain.grid.size[1] - 1), step))
+      for (const double x : heartgen::testing::steps(step / 2, static_cast<double>(domain.grid.size[0] - 1), step))
         volume += mesh::region_at(domain, {x, y, z}) == tag(region) ? step * step * step : 0;
   return volume;
 }
@@ -154,8 +154,8 @@ TEST(Domain, SurfaceOfABallIsNearerThanItsVoxels) {
   const double middle = 0.5 * static_cast<double>(labels.grid.size[0] - 1);
   double sum = 0, most = 0;
   int count = 0;
-  for (const double polar : heart::testing::steps(0.05, 3.1, 0.1))
-    for (const double turn : heart::testing::steps(0, 6.28, 0.13 / std::sin(polar))) {
+  for (const double polar : heartgen::testing::steps(0.05, 3.1, 0.1))
+    for (const double turn : heartgen::testing::steps(0, 6.28, 0.13 / std::sin(polar))) {
       const Vec3 way{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
       double r = 5;
       while (mesh::region_at(domain, Vec3{middle, middle, middle} + center + r * way) == tag(Region::lv_blood))

@@ -1,5 +1,5 @@
 // The curves that a mesh holds, and how the certificate measures them.
-#include "model/feature_curves.hpp"
+#include "model/mesh_queries/feature_curves.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 constexpr double radius_mm = 9;
 
@@ -30,9 +30,10 @@ TetMesh mesh_of_halves(const LabelVolume& labels) {
   return mesh::mesh_labels(labels, settings);
 }
 
-const FeatureCurve* curve_named(const std::vector<FeatureCurve>& curves, const std::string& name) {
+const mesh_queries::FeatureCurve* curve_named(const std::vector<mesh_queries::FeatureCurve>& curves,
+                                              const std::string& name) {
   for (const auto& curve : curves)
-    if (curve_name(curve) == name) return &curve;
+    if (mesh_queries::curve_name(curve) == name) return &curve;
   return nullptr;
 }
 
@@ -40,7 +41,7 @@ constexpr const char* rim = "lv_endocardium+la_endocardium+mitral_orifice";
 
 TEST(FeatureCurves, RimOfAnOrificeIsAClosedCircle) {
   const auto mesh = mesh_of_halves(label_cube(34, 1, two_halves));
-  const auto curves = feature_curves(mesh);
+  const auto curves = mesh_queries::feature_curves(mesh);
   const auto* curve = curve_named(curves, rim);
   ASSERT_NE(curve, nullptr);
   std::map<std::int32_t, int> uses;
@@ -59,14 +60,14 @@ TEST(FeatureCurves, RimOfAnOrificeIsAClosedCircle) {
 
 TEST(FeatureCurves, OneSurfaceAloneHasNone) {
   const auto labels = label_cube(24, 1, [](const Vec3& p) { return norm(p) < 8 ? Region::lv_blood : Region::none; });
-  EXPECT_TRUE(feature_curves(mesh_of_halves(labels)).empty());
+  EXPECT_TRUE(mesh_queries::feature_curves(mesh_of_halves(labels)).empty());
 }
 
 TEST(FeatureCurves, TheCertificateMeasuresHowFarAMovedMapIs) {
   constexpr double shift_mm = 0.9;
   const auto labels = label_cube(34, 1, two_halves);
   const auto mesh = mesh_of_halves(labels);
-  const auto curves = feature_curves(mesh);
+  const auto curves = mesh_queries::feature_curves(mesh);
   const auto* curve = curve_named(curves, rim);
   ASSERT_NE(curve, nullptr);
   const auto faces = validation::mesh_faces(mesh);

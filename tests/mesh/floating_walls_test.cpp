@@ -10,7 +10,7 @@
 #include "model/labels.hpp"
 #include "support/diced_cubes.hpp"
 
-namespace heart::mesh {
+namespace heartgen::mesh {
 namespace {
 
 constexpr int n = 10;
@@ -89,4 +89,4 @@ TEST(FloatingWalls, AreNotInTheMeshOfALabelMap) {
 }
 
 }  // namespace
-}  // namespace heart::mesh
+}  // namespace heartgen::mesh

@@ -16,7 +16,7 @@
 
 namespace {
 
-using namespace heart;
+using namespace heartgen;
 
 struct Labelled {
   std::vector<Vec3> nodes;
@@ -27,9 +27,9 @@ struct Labelled {
 // n × n × n cubes of six cells each, with label 1 below `split` layers and 2 above, and a rim of label 0 around.
 Labelled cube(int n, int split) {
   Labelled mesh;
-  mesh.nodes = heart::testing::cube_corners(n);
+  mesh.nodes = heartgen::testing::cube_corners(n);
   const auto outside = [n](int i) { return i == 0 || i == n - 1; };
-  heart::testing::dice_cubes(n, [&](const Cell& cell, int i, int j, int k) {
+  heartgen::testing::dice_cubes(n, [&](const Cell& cell, int i, int j, int k) {
     mesh.cells.push_back(cell);
     mesh.label.push_back(outside(i) || outside(j) || outside(k) ? 0 : k < split ? 1 : 2);
   });

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 
-#include "generator/lattice/separate.hpp"
-#include "lattice/shapes.hpp"
+#include "generator/surface_fit/self_intersections.hpp"
+#include "tetmesh/shapes.hpp"
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 Complex mesh_solid(const std::function<double(const Vec3&)>& inside, double half_mm, double edge_mm) {
   auto m = materials_of({[](const Vec3&) { return 0.0; }, inside}, half_mm, edge_mm);
@@ -27,7 +27,7 @@ TEST(LatticeCells, APocketNarrowerThanCellsIsKeptByShorterEdges) {
   const double radius = 0.75;
   const auto c = mesh_solid([&](const Vec3& p) { return std::min(5 - norm(p), norm(p - pocket) - radius); }, 7, 1);
   int faces = 0;
-  for (const auto& face : lattice::outer_faces(c))
+  for (const auto& face : surface_fit::outer_faces(c))
     for (const auto n : face)
       if (norm(c.at(n) - pocket) < 2) {
         ++faces;
@@ -59,7 +59,7 @@ Complex cells_with(const std::vector<double>& angles_deg) {
   c.touches.assign(c.nodes_mm.size(), 0);
   c.spacing_mm.assign(c.nodes_mm.size(), 1);
   c.label.assign(c.cells.size(), 1);
-  lattice::connect(c);
+  tetmesh::connect(c);
   return c;
 }
 

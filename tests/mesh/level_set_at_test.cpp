@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 LevelSet volume_of(const Index3& size) {
@@ -62,4 +62,4 @@ TEST(LevelSetAt, ValuesAreThoseOfAPlane) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -13,8 +13,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 MeshSettings coarse() {
   MeshSettings s;

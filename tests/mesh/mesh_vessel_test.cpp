@@ -14,8 +14,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const double t = std::clamp(dot(p - a, b - a) / dot(b - a, b - a), 0.0, 1.0);

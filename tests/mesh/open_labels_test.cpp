@@ -12,8 +12,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 constexpr std::array<std::uint8_t, 3> tags{tag(Region::lv_myocardium), tag(Region::rv_myocardium),
                                            tag(Region::ra_wall)};
@@ -39,7 +39,7 @@ TEST(OpenLabels, AWedgeEndsAsWideAsTheBallAndItsNeighboursMeet) {
   const double end = -6 + radius_mm / std::sin(half_angle_deg * 3.14159265 / 180) - radius_mm;
   int gone = 0, kept = 0;
   for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
-    const Vec3 p = heart::testing::lps_of_voxel(labels.grid, static_cast<std::int64_t>(v));
+    const Vec3 p = heartgen::testing::lps_of_voxel(labels.grid, static_cast<std::int64_t>(v));
     if (std::abs(p.y) > 5 || std::abs(p.z) > 5) continue;  // corners of the block
     const auto was = before.voxels[v], is = labels.voxels[v];
     EXPECT_TRUE(is == was || was == tags[1]) << p.x << " " << p.y;

@@ -14,8 +14,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 LabelVolume ball() {
   return label_cube(40, 1, [](const Vec3& p) {

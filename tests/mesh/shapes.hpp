@@ -12,7 +12,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 /// A cube of voxels centred on the origin, labelled by `region_at` (LPS mm of the voxel's centre).
 inline LabelVolume label_cube(std::int64_t voxels, double spacing_mm,
@@ -64,4 +64,4 @@ inline std::string failed_rows(const Report& report) {
   return text;
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

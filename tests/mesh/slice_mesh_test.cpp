@@ -14,7 +14,7 @@
 
 namespace {
 
-using namespace heart;
+using namespace heartgen;
 
 /// One slice of square pixels, labelled by a function of the pixel.
 LabelVolume slice_of(std::int64_t pixels, double spacing_mm,

@@ -17,9 +17,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
-using adapters::LabelledCells;
+using namespace heartgen;
+using namespace heartgen::testing;
 using adapters::SurfaceComplex;
 
 /// The surface of a cube whose sides are divided into `parts` times `parts` squares, of two triangles each.

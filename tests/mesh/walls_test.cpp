@@ -11,8 +11,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 constexpr double middle_mm = 15, half_wall_mm = 0.75, voxel_mm = 1.2;
 constexpr double thinnest_mm = 1;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 TEST(FiberNames, AreKnownFromManyPrograms) {
@@ -18,4 +18,4 @@ TEST(FiberNames, AreKnownFromManyPrograms) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -6,7 +6,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 TEST(InputFile, IsAFileThatCanBeRead) {
@@ -26,4 +26,4 @@ TEST(InputFile, IsAFileThatCanBeRead) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

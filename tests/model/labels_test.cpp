@@ -9,7 +9,7 @@
 #include "model/text.hpp"
 #include "model/volume.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 TEST(Labels, NamesAndTagsAreOneToOne) {
@@ -104,4 +104,4 @@ TEST(Text, NearestNameAndNumbers) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -117,7 +117,7 @@ TEST(Mathematics, EdgesAreThoseOfTheStandard) {
 /// Source files of the program, not of its tests.
 std::vector<fs::path> sources() {
   std::vector<fs::path> found;
-  const fs::path root = fs::path(HEART_TESTS_FOLDER).parent_path();
+  const fs::path root = fs::path(HEARTGEN_TESTS_FOLDER).parent_path();
   for (const char* folder : {"model", "generator", "validation", "exporters", "datasets"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder))
       if (const auto kind = entry.path().extension(); kind == ".cpp" || kind == ".hpp") found.push_back(entry.path());
@@ -139,4 +139,4 @@ TEST(Mathematics, NoSourceFileCallsTheCLibrarys) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

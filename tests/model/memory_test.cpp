@@ -8,7 +8,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 constexpr double gib = 1 << 30;
@@ -72,4 +72,4 @@ TEST(Memory, AmountsAreReadAndWritten) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

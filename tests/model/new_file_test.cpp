@@ -8,7 +8,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,4 +90,4 @@ TEST(NewFile, WritesThroughLinksAndIntoDevices) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

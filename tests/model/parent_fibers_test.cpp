@@ -4,7 +4,7 @@
 
 #include "model/error.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 /// Three cells in a row on six nodes; the middle one is the part.
@@ -57,4 +57,4 @@ TEST(ParentFibers, IdsOfAnotherMeshAreRefused) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 TEST(Printable, TakesWhatSteersTerminals) {
@@ -23,4 +23,4 @@ TEST(Printable, LeavesTextAsItIs) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

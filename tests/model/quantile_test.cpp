@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 TEST(Quantile, IsTheElementOfTheSortedValues) {
@@ -32,4 +32,4 @@ TEST(Quantile, RoundsItsRankDown) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -8,7 +8,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 std::string recipe_file(const std::string& text) {
@@ -198,4 +198,4 @@ TEST(Landmarks, DamagedFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -5,7 +5,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,4 +50,4 @@ TEST(CheckOutput, RefusesAFolderAndAFileInTheWay) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

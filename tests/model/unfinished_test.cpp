@@ -10,7 +10,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,4 +37,4 @@ TEST(Unfinished, GoesAndWhatIsFinishedStays) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen

@@ -4,7 +4,7 @@
 
 #include "model/error.hpp"
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 TEST(Comm, AloneWithoutALauncher) {
@@ -39,4 +39,4 @@ TEST(RunOnRoot, ReturnsTheResultAndPassesErrorsOn) {
 }
 
 }  // namespace
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

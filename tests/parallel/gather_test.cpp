@@ -4,7 +4,7 @@
 
 namespace {
 
-using namespace heart;
+using namespace heartgen;
 
 void squares(std::int64_t begin, std::int64_t end, std::vector<std::int64_t>& values) {
   for (auto i = begin; i < end; ++i)

@@ -6,19 +6,19 @@
 #include <cmath>
 #include <limits>
 
-#include "generator/contours/active_contours.hpp"
-#include "generator/contours/subjective_surface.hpp"
 #include "generator/fibers/inpaint_grid.hpp"
 #include "generator/parallel/comm.hpp"
-#include "generator/segment/chan_vese.hpp"
-#include "generator/segment/chan_vese_flow.hpp"
-#include "generator/segment/filters.hpp"
-#include "generator/segment/median.hpp"
-#include "generator/segment/minimal_cut.hpp"
+#include "generator/pde/active_contours.hpp"
+#include "generator/pde/chan_vese.hpp"
+#include "generator/pde/chan_vese_flow.hpp"
+#include "generator/pde/continuous_min_cut.hpp"
+#include "generator/pde/filters.hpp"
+#include "generator/pde/median.hpp"
+#include "generator/pde/subjective_surface.hpp"
 #include "model/error.hpp"
-#include "segment/pde_images.hpp"
+#include "pde/pde_images.hpp"
 
-namespace heart {
+namespace heartgen {
 namespace {
 
 using parallel::self;
@@ -115,8 +115,8 @@ TEST(Ranks, MediansAreExact) {
   for (const auto size : sizes)
     for (const auto& volume : images_for_medians(size)) {
       const auto labels = volume_of<std::uint8_t>(volume.grid, [](double x, double, double) { return x > 1 ? 2 : 1; });
-      const auto distributed = segment::median(parallel::scatter(on_root(volume), world()),
-                                               parallel::scatter(on_root(labels), world()), 2, world());
+      const auto distributed = pde::median(parallel::scatter(on_root(volume), world()),
+                                           parallel::scatter(on_root(labels), world()), 2, world());
       std::vector<float> sorted;
       for (std::size_t i = 0; i < volume.voxels.size(); ++i)
         if (labels.voxels[i] == 2) sorted.push_back(volume.voxels[i]);
@@ -130,59 +130,59 @@ TEST(Ranks, MediansRefuseNaNEverywhere) {
   volume.voxels.back() = std::numeric_limits<float>::quiet_NaN();
   const auto image = parallel::scatter(on_root(volume), world());
   const auto all = parallel::scatter(on_root(Mask(volume.grid, 1)), world());
-  EXPECT_THROW(segment::median(image, all, 1, world()), UserError);
+  EXPECT_THROW(pde::median(image, all, 1, world()), UserError);
 }
 
 TEST(Ranks, FiltersHaveTheSameBits) {
   for (const auto size : sizes)
-    for (const auto& name : segment::filter_names()) {
+    for (const auto& name : pde::filter_names()) {
       SCOPED_TRACE(name);
       std::map<std::string, double> parameters;
       if (name != "sobolev" && name != "redistance") parameters["iterations"] = 9;
       const auto volume = image_of(size);
-      const auto distributed = segment::apply_filter(name, on_root(volume), parameters, world());
-      const auto serial = segment::apply_filter(name, volume, parameters, self());
+      const auto distributed = pde::apply_filter(name, on_root(volume), parameters, world());
+      const auto serial = pde::apply_filter(name, volume, parameters, self());
       EXPECT_EQ(distributed.voxels, on_root(serial).voxels);
     }
 }
 
 TEST(Ranks, FilterErrorsReachEverybody) {
-  EXPECT_THROW(segment::apply_filter("heat", {}, {}, world()), UserError);
-  EXPECT_THROW(segment::apply_filter("heat", on_root(image_of(sizes[0])), {{"time_step", 3}}, world()), UserError);
+  EXPECT_THROW(pde::apply_filter("heat", {}, {}, world()), UserError);
+  EXPECT_THROW(pde::apply_filter("heat", on_root(image_of(sizes[0])), {{"time_step", 3}}, world()), UserError);
 }
 
 TEST(Ranks, ChanVeseHasTheSameBits) {
   for (const auto size : sizes)
-    for (const auto norm : {segment::Norm::l1, segment::Norm::l2}) {
+    for (const auto norm : {pde::Norm::l1, pde::Norm::l2}) {
       const auto volume = image_of(size);
       const auto domain =
           volume_of<std::uint8_t>(volume.grid, [](double x, double y, double) { return x + y < 4 ? 1 : 0; });
-      segment::ChanVeseSettings settings;
+      pde::ChanVeseSettings settings;
       settings.norm = norm;
       settings.mu = 0.6;
-      const auto distributed = segment::chan_vese(on_root(volume), on_root(domain), settings, world());
-      const auto serial = segment::chan_vese(volume, domain, settings, self());
+      const auto distributed = pde::chan_vese(on_root(volume), on_root(domain), settings, world());
+      const auto serial = pde::chan_vese(volume, domain, settings, self());
       EXPECT_EQ(distributed.above.voxels, on_root(serial.above).voxels);
       EXPECT_EQ(distributed.c_below, serial.c_below);
       EXPECT_EQ(distributed.c_above, serial.c_above);
       EXPECT_EQ(distributed.energy, serial.energy);
       EXPECT_EQ(distributed.iterations, serial.iterations);
     }
-  EXPECT_THROW(segment::chan_vese(on_root(image_of(sizes[0])), on_root(Mask(image_of(sizes[0]).grid)), {}, world()),
+  EXPECT_THROW(pde::chan_vese(on_root(image_of(sizes[0])), on_root(Mask(image_of(sizes[0]).grid)), {}, world()),
                UserError);
 }
 
 TEST(Ranks, ChanVeseFlowHasTheSameBits) {
   for (const auto size : sizes)
-    for (const auto norm : {segment::Norm::l1, segment::Norm::l2}) {
+    for (const auto norm : {pde::Norm::l1, pde::Norm::l2}) {
       const auto volume = image_of(size);
       const auto domain =
           volume_of<std::uint8_t>(volume.grid, [](double x, double y, double) { return x + y < 4 ? 1 : 0; });
-      const segment::ChanVeseFlowSettings settings{.norm = norm, .mu = 0.6, .max_iterations = 60};
-      const auto found = segment::chan_vese_flow(parallel::scatter(on_root(volume), world()),
-                                                 parallel::scatter(on_root(domain), world()), settings, world());
-      const auto serial = segment::chan_vese_flow(parallel::scatter(volume, self()), parallel::scatter(domain, self()),
-                                                  settings, self());
+      const pde::ChanVeseFlowSettings settings{.norm = norm, .mu = 0.6, .max_iterations = 60};
+      const auto found = pde::chan_vese_flow(parallel::scatter(on_root(volume), world()),
+                                             parallel::scatter(on_root(domain), world()), settings, world());
+      const auto serial =
+          pde::chan_vese_flow(parallel::scatter(volume, self()), parallel::scatter(domain, self()), settings, self());
       const auto phi = parallel::gather(found.phi, world());
       EXPECT_EQ(phi.voxels, on_root(parallel::gather(serial.phi, self())).voxels);
       EXPECT_EQ(found.energy, serial.energy);
@@ -200,8 +200,8 @@ TEST(Ranks, MinimalCutHasTheSameBits) {
       const double r = length(x, y, z);
       return r < 1.5 ? 2 : r < 3.4 ? 1 : 0;
     });
-    const auto distributed = segment::minimal_cut(on_root(weight), on_root(state), {45, 1e-6, 20}, world());
-    const auto serial = segment::minimal_cut(weight, state, {45, 1e-6, 20}, self());
+    const auto distributed = pde::minimal_cut(on_root(weight), on_root(state), {45, 1e-6, 20}, world());
+    const auto serial = pde::minimal_cut(weight, state, {45, 1e-6, 20}, self());
     EXPECT_EQ(distributed.u.voxels, on_root(serial.u).voxels);
     EXPECT_EQ(distributed.duality_gap, serial.duality_gap);
     EXPECT_EQ(distributed.energy, serial.energy);
@@ -214,21 +214,21 @@ TEST(Ranks, ContoursHaveTheSameBits) {
     const auto volume = image_of(size);
     const auto& grid = volume.grid;
     const std::vector<Vec3> seeds = {lps_from_index(grid, {6, 5, size[2] > 5 ? 6.0 : 0.0})};
-    const auto start = contours::balls(grid, seeds, 2);
-    for (const auto model : {contours::ContourModel::geometric, contours::ContourModel::geodesic}) {
-      const contours::ContourSettings settings{model, 1, 1, 0.5, 45};
-      const auto distributed = contours::evolve_contour(on_root(volume), on_root(start), {0.8, 20}, settings, world());
-      const auto serial = contours::evolve_contour(volume, start, {0.8, 20}, settings, self());
+    const auto start = pde::balls(grid, seeds, 2);
+    for (const auto model : {pde::ContourModel::geometric, pde::ContourModel::geodesic}) {
+      const pde::ContourSettings settings{model, 1, 1, 0.5, 45};
+      const auto distributed = pde::evolve_contour(on_root(volume), on_root(start), {0.8, 20}, settings, world());
+      const auto serial = pde::evolve_contour(volume, start, {0.8, 20}, settings, self());
       EXPECT_EQ(distributed.level_set.voxels, on_root(serial.level_set).voxels);
       EXPECT_EQ(distributed.iterations, serial.iterations);
     }
-    const auto distributed = contours::subjective_surface(on_root(volume), seeds, {0.8, 20}, {70, 0}, world());
-    const auto serial = contours::subjective_surface(volume, seeds, {0.8, 20}, {70, 0}, self());
+    const auto distributed = pde::subjective_surface(on_root(volume), seeds, {0.8, 20}, {70, 0}, world());
+    const auto serial = pde::subjective_surface(volume, seeds, {0.8, 20}, {70, 0}, self());
     EXPECT_EQ(distributed.surface.voxels, on_root(serial.surface).voxels);
     EXPECT_EQ(distributed.plateau, serial.plateau);
   }
-  EXPECT_THROW(contours::evolve_contour(on_root(image_of(sizes[0])), {}, {}, {}, world()), UserError);
-  EXPECT_THROW(contours::subjective_surface(on_root(image_of(sizes[0])), {}, {}, {}, world()), UserError);
+  EXPECT_THROW(pde::evolve_contour(on_root(image_of(sizes[0])), {}, {}, {}, world()), UserError);
+  EXPECT_THROW(pde::subjective_surface(on_root(image_of(sizes[0])), {}, {}, {}, world()), UserError);
 }
 
 TEST(Ranks, InpaintedAxesHaveTheSameBits) {
@@ -249,12 +249,12 @@ TEST(Ranks, InpaintedAxesHaveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace heart
+}  // namespace heartgen
 
 int main(int argc, char** argv) {
-  const heart::parallel::Environment environment(&argc, &argv);
+  const heartgen::parallel::Environment environment(&argc, &argv);
   ::testing::InitGoogleTest(&argc, argv);
-  if (!heart::parallel::world().is_root())  // one report is enough; failures show in the exit code
+  if (!heartgen::parallel::world().is_root())  // one report is enough; failures show in the exit code
     delete ::testing::UnitTest::GetInstance()->listeners().Release(
         ::testing::UnitTest::GetInstance()->listeners().default_result_printer());
   return RUN_ALL_TESTS();

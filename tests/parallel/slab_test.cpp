@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 TEST(OwnedSlices, CoverTheImageEvenlyForAnyNumberOfRanks) {
@@ -65,4 +65,4 @@ TEST(Slab, RowSumsDoNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

@@ -10,7 +10,7 @@
 
 #include "generator/parallel/threads.hpp"
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 struct Tasks : ::testing::TestWithParam<int> {
@@ -58,4 +58,4 @@ TEST_P(Tasks, TheFirstErrorInTheirOrderIsThrownAfterAllHaveRun) {
 INSTANTIATE_TEST_SUITE_P(Threads, Tasks, ::testing::Values(1, 2, 5));
 
 }  // namespace
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

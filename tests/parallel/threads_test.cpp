@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace heart::parallel {
+namespace heartgen::parallel {
 namespace {
 
 TEST(ParallelFor, VisitsEveryIndexOnce) {
@@ -92,4 +92,4 @@ TEST(ParallelFor, LoopsInsideLoopsDoNotHang) {
 }
 
 }  // namespace
-}  // namespace heart::parallel
+}  // namespace heartgen::parallel

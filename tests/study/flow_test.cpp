@@ -4,15 +4,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "generator/study/convergence.hpp"
-#include "generator/study/global_minimum.hpp"
-#include "generator/study/initial_conditions.hpp"
-#include "generator/study/phases.hpp"
-#include "generator/study/schemes.hpp"
-#include "generator/study/test_images.hpp"
+#include "benchmarks/study/convergence.hpp"
+#include "benchmarks/study/global_minimum.hpp"
+#include "benchmarks/study/initial_conditions.hpp"
+#include "benchmarks/study/phases.hpp"
+#include "benchmarks/study/schemes.hpp"
+#include "benchmarks/study/test_images.hpp"
 #include "model/error.hpp"
 
-namespace heart::study {
+namespace heartgen::study {
 namespace {
 
 constexpr int size = 96;
@@ -248,4 +248,4 @@ TEST(Phases, ForeignPixelsAreFarFromTheirClass) {
 }
 
 }  // namespace
-}  // namespace heart::study
+}  // namespace heartgen::study

@@ -1,15 +1,15 @@
 // Length and area estimators (thesis 5.1.1) against closed forms.
-#include "generator/study/length.hpp"
+#include "benchmarks/study/length.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "generator/study/initial_conditions.hpp"
+#include "benchmarks/study/initial_conditions.hpp"
 #include "model/error.hpp"
 
-namespace heart::study {
+namespace heartgen::study {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -156,4 +156,4 @@ TEST(Area, PlanesAreExact) {
 }
 
 }  // namespace
-}  // namespace heart::study
+}  // namespace heartgen::study

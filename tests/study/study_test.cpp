@@ -1,15 +1,15 @@
 // What the studies find and how it is written down.
-#include "generator/study/study.hpp"
+#include "benchmarks/study/study.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 
-#include "generator/study/convergence.hpp"
-#include "generator/study/studies.hpp"
+#include "benchmarks/study/convergence.hpp"
+#include "benchmarks/study/studies.hpp"
 
-namespace heart::study {
+namespace heartgen::study {
 namespace {
 
 TEST(Study, LengthsReportThePrintedTable) {
@@ -85,4 +85,4 @@ TEST(Study, WritesOnePageAndItsParts) {
 }
 
 }  // namespace
-}  // namespace heart::study
+}  // namespace heartgen::study

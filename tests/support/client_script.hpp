@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 /// Its output is shown where it fails; a script that ends with 77 lacks its programs: the test is skipped.
 inline void expect_script_succeeds(const std::string& script, const std::vector<std::filesystem::path>& arguments) {
-  const auto path = std::filesystem::path(HEART_TESTS_FOLDER) / "clients" / script;
+  const auto path = std::filesystem::path(HEARTGEN_TESTS_FOLDER) / "clients" / script;
   std::string command = "/usr/bin/python3 '" + path.lexically_normal().string() + "'";
   for (const auto& argument : arguments) command += " '" + argument.string() + "'";
   FILE* pipe = popen((command + " 2>&1").c_str(), "r");
@@ -27,4 +27,4 @@ inline void expect_script_succeeds(const std::string& script, const std::vector<
   EXPECT_EQ(code, 0) << output;
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

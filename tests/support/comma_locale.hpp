@@ -4,7 +4,7 @@
 #include <locale>
 #include <string>
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 class CommaLocale {
  public:
@@ -29,4 +29,4 @@ class CommaLocale {
   std::locale locale_;
 };
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

@@ -4,13 +4,14 @@
 #include <filesystem>
 #include <string>
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 /// Path of a file of the real data sets, or empty where they are absent: HEARTGEN_DATA, else ../shared/data.
 inline std::string real_data(const std::string& name) {
   const char* folder = std::getenv("HEARTGEN_DATA");
   const auto path =
-      (folder ? std::filesystem::path(folder) : std::filesystem::path(HEART_TESTS_FOLDER) / "../../shared/data") / name;
+      (folder ? std::filesystem::path(folder) : std::filesystem::path(HEARTGEN_TESTS_FOLDER) / "../../shared/data") /
+      name;
   return std::filesystem::exists(path) ? std::filesystem::weakly_canonical(path).string() : "";
 }
 
@@ -22,4 +23,4 @@ inline std::filesystem::path scratch_folder(const std::string& name) {
   return path;
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

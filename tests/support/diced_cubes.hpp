@@ -8,7 +8,7 @@
 
 #include "model/tet_mesh.hpp"
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 /// The (n + 1)³ corners of n × n × n unit cubes, x fastest.
 inline std::vector<Vec3> cube_corners(int n) {
@@ -43,4 +43,4 @@ void dice_cubes(int n, Add&& add) {
         }
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

@@ -3,7 +3,7 @@
 #include "support/model_heart.hpp"
 #include "support/two_region_mesh.hpp"
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 inline std::int32_t surface_of_heart(const ModelHeart& heart, const Vec3& at_mm, double spacing_mm) {
   const auto is_near = [&](const auto& cavity) { return cavity.distance(at_mm) < spacing_mm; };
@@ -40,4 +40,4 @@ inline TetMesh fibred_heart(double spacing_mm) {
   return mesh;
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

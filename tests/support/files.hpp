@@ -8,7 +8,7 @@
 
 #include "model/error.hpp"
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 inline std::string bytes_of(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -29,4 +29,4 @@ inline std::string error_of(const std::function<void()>& run) {
   return "";
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

@@ -12,7 +12,7 @@
 #include "model/tet_mesh.hpp"
 #include "model/volume.hpp"
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 /// x_world = scale * rotation * x_heart + offset
 struct HeartPose {
@@ -146,4 +146,4 @@ inline double axis_angle_deg(const Vec3& a, const Vec3& b) {
   return std::atan2(norm(cross(a, b)), std::abs(dot(a, b))) * 180 / std::acos(-1.0);
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

@@ -2,7 +2,7 @@
 #pragma once
 #include <random>
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 /// The sum of twelve uniform numbers less its mean: variance 1, nearly a normal distribution.
 inline double noise(std::mt19937& random) {
@@ -11,4 +11,4 @@ inline double noise(std::mt19937& random) {
   return sum;
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

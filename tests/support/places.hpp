@@ -5,7 +5,7 @@
 
 #include "model/grid.hpp"
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 /// first, first + step and so on, all below `end`.
 inline std::vector<double> steps(double first, double end, double step) {
@@ -22,4 +22,4 @@ inline Vec3 lps_of_voxel(const Grid& grid, std::int64_t voxel) {
                         {static_cast<double>(voxel % grid.size[0]), static_cast<double>(j), static_cast<double>(k)});
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

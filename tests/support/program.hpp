@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 struct ProgramResult {
   int exit_code = -1;
@@ -33,13 +33,22 @@ inline std::string on_ranks(int ranks) {
 }
 
 /// `launcher` comes before the program: on_ranks(2), "LC_ALL=de_DE.UTF-8" or nothing.
-inline ProgramResult heartgen(const std::string& arguments, const std::string& scratch,
-                              const std::string& launcher = "") {
+inline ProgramResult run_program(const char* program, const std::string& arguments, const std::string& scratch,
+                                 const std::string& launcher) {
   const std::string out = scratch + "/stdout.txt", err = scratch + "/stderr.txt";
-  const std::string command = "cd " + scratch + " && " + launcher + " " + HEARTGEN_PROGRAM + " " + arguments + " >" +
-                              out + " 2>" + err + " </dev/null";
+  const std::string command =
+      "cd " + scratch + " && " + launcher + " " + program + " " + arguments + " >" + out + " 2>" + err + " </dev/null";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
 }
 
-}  // namespace heart::testing
+inline ProgramResult heartgen(const std::string& arguments, const std::string& scratch,
+                              const std::string& launcher = "") {
+  return run_program(HEARTGEN_PROGRAM, arguments, scratch, launcher);
+}
+
+inline ProgramResult heartgen_lab(const std::string& arguments, const std::string& scratch) {
+  return run_program(HEARTGEN_LAB_PROGRAM, arguments, scratch, "");
+}
+
+}  // namespace heartgen::testing

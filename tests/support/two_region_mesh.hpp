@@ -9,7 +9,7 @@
 #include "model/labels.hpp"
 #include "model/tet_mesh.hpp"
 
-namespace heart::testing {
+namespace heartgen::testing {
 
 /// Orthonormal axes that turn along z, as fibres do through a wall.
 inline void append_axes(FiberField& field, const Vec3& at_mm) {
@@ -85,4 +85,4 @@ inline TetMesh two_region_mesh(int n, Region other = Region::lv_blood) {
   return mesh;
 }
 
-}  // namespace heart::testing
+}  // namespace heartgen::testing

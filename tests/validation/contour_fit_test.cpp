@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "model/labels.hpp"
-#include "synthetic_heart.hpp"
+#include "support/synthetic_heart.hpp"
 #include "validation/distance_map.hpp"
-#include "validation/report_tables.hpp"
+#include "validation/report/report_tables.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr Vec3 sphere_center{30, 30, 30};
@@ -41,7 +41,7 @@ TetMesh ball(double radius_mm) {
     for (std::int64_t j = 0; j < 21; ++j)
       for (std::int64_t i = 0; i < 21; ++i)
         labels(i, j, k) = norm(Vec3{3.0 * i, 3.0 * j, 3.0 * k} - sphere_center) < radius_mm ? tag(Region::lv_blood) : 0;
-  TetMesh mesh = heart::testing::voxel_mesh(labels, [](Region r) { return r == Region::lv_blood; });
+  TetMesh mesh = heartgen::testing::voxel_mesh(labels, [](Region r) { return r == Region::lv_blood; });
   for (const Face& face : mesh.faces)
     for (const auto n : face) {
       Vec3& p = mesh.nodes_mm[static_cast<std::size_t>(n)];
@@ -51,7 +51,7 @@ TetMesh ball(double radius_mm) {
 }
 
 double fit(const Report& report, const char* metric) {
-  return row_value(report, "fit", report.front().scope, metric).value();
+  return report::row_value(report, "fit", report.front().scope, metric).value();
 }
 
 TEST(ContourFit, FindsAKnownOffset) {
@@ -110,7 +110,7 @@ TetMesh shell(double inner_mm, double outer_mm) {
         const double d = norm(Vec3{1.5 * i, 1.5 * j, 1.5 * k} - sphere_center);
         labels(i, j, k) = d >= inner_mm && d < outer_mm ? tag(Region::lv_myocardium) : std::uint8_t{0};
       }
-  TetMesh mesh = heart::testing::voxel_mesh(labels, [](Region r) { return r == Region::lv_myocardium; });
+  TetMesh mesh = heartgen::testing::voxel_mesh(labels, [](Region r) { return r == Region::lv_myocardium; });
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const bool is_inner =
         norm(mesh.nodes_mm[static_cast<std::size_t>(mesh.faces[f][0])] - sphere_center) < (inner_mm + outer_mm) / 2;
@@ -126,14 +126,14 @@ TetMesh shell(double inner_mm, double outer_mm) {
 TEST(ContourFit, TheOtherSideOfAThinWallIsNotItsEdge) {
   const TetMesh mesh = shell(16, 19);
   const auto median = [](const Report& report, const char* scope) {
-    return row_value(report, "fit", scope, "edge_distance_median");
+    return report::row_value(report, "fit", scope, "edge_distance_median");
   };
   const Report bright = check_contour_fit(mesh, shell_image(16, 19, 300, 100));
   EXPECT_NEAR(median(bright, "lv_endocardium").value(), 0, 0.3);
   EXPECT_NEAR(median(bright, "epicardium").value(), 0, 0.3);
   // Blood as grey as muscle: the inner side has no edge, and the step to the lung is not taken for it.
   const Report faint = check_contour_fit(mesh, shell_image(16, 19, 105, 100));
-  EXPECT_LT(row_value(faint, "fit", "lv_endocardium", "edge_found").value(), 0.05);
+  EXPECT_LT(report::row_value(faint, "fit", "lv_endocardium", "edge_found").value(), 0.05);
   EXPECT_NEAR(median(faint, "epicardium").value(), 0, 0.3);
   // Drawn 2 mm inside of the blood's edge, it is seen.
   EXPECT_GT(std::abs(median(check_contour_fit(shell(14, 19), shell_image(16, 19, 300, 100)), "lv_endocardium").value()),
@@ -149,7 +149,7 @@ LabelVolume box_labels(const Grid& grid, Index3 low, Index3 high) {
 }
 
 double agreement(const Report& report, const char* metric) {
-  return row_value(report, "fit", "lv_blood", metric).value();
+  return report::row_value(report, "fit", "lv_blood", metric).value();
 }
 
 TEST(LabelAgreement, ClosedFormsForAShiftedBox) {
@@ -165,13 +165,13 @@ TEST(LabelAgreement, ClosedFormsForAShiftedBox) {
 }
 
 TEST(LabelAgreement, IsPerfectWithItself) {
-  const auto labels = heart::testing::synthetic_labels(5);
+  const auto labels = heartgen::testing::synthetic_labels(5);
   for (const auto& row : compare_labels(labels, labels))
     EXPECT_EQ(row.value, row.metric == "dice" ? 1 : 0) << row.metric;
 }
 
 TEST(LabelAgreement, ResamplesAnotherGrid) {
-  const auto coarse = heart::testing::synthetic_labels(2.5), fine = heart::testing::synthetic_labels(1.5);
+  const auto coarse = heartgen::testing::synthetic_labels(2.5), fine = heartgen::testing::synthetic_labels(1.5);
   const Report report = compare_labels(coarse, fine);
   EXPECT_GT(agreement(report, "dice"), 0.93);
   EXPECT_LT(agreement(report, "surface_distance_mean"), 1.3);
@@ -209,4 +209,4 @@ TEST(DistanceMap, EqualsTheSlowSearch) {
 }
 
 }  // namespace
-}  // namespace heart::validation
+}  // namespace heartgen::validation

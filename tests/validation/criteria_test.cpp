@@ -8,7 +8,7 @@
 #include "model/certificate.hpp"
 #include "validation/uses.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 ReportRow row(const char* group, const char* scope, const char* metric, double value) {
@@ -124,4 +124,4 @@ TEST(Verdicts, ADoubtIsNeverGreen) {
 }
 
 }  // namespace
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -7,7 +7,7 @@
 
 namespace {
 
-using namespace heart;
+using namespace heartgen;
 using validation::orientation;
 using validation::orientation_along;
 

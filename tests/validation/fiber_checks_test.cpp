@@ -9,7 +9,7 @@
 
 #include "validation/wall_depth.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double inner_mm = 20, outer_mm = 30, length_mm = 120;
@@ -238,4 +238,4 @@ TEST(CheckFibers, AMirroredHelixFails) {
 }
 
 }  // namespace
-}  // namespace heart::validation
+}  // namespace heartgen::validation

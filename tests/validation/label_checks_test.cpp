@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "model/labels.hpp"
-#include "synthetic_heart.hpp"
-#include "validation/report_tables.hpp"
+#include "support/synthetic_heart.hpp"
+#include "validation/report/report_tables.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 /// A shell of `wall_mm` around a ball of blood of 15 mm, on a grid of 1 mm.
@@ -31,7 +31,7 @@ LabelVolume shell(double wall_mm) {
 }
 
 double value(const Report& report, const char* scope, const char* metric) {
-  return row_value(report, "labels", scope, metric).value();
+  return report::row_value(report, "labels", scope, metric).value();
 }
 
 TEST(LabelChecks, VolumeOfABall) {
@@ -117,4 +117,4 @@ TEST(LabelChecks, AnEmptyRegionThatIsNeededFails) {
 }
 
 }  // namespace
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -10,7 +10,7 @@
 
 namespace {
 
-using namespace heart;
+using namespace heartgen;
 
 /// Cells of six to each voxel where `inside` gives a region, on the voxels' own corners.
 TetMesh mesh_of(const LabelVolume& labels) {

@@ -6,7 +6,7 @@
 #include "validation/anatomy_checks.hpp"
 #include "validation/contour_fit.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 LabelVolume halves() {
@@ -114,4 +114,4 @@ TEST(LabelAgreement, AnArchThatComesBackToTheHeartIsNoStump) {
 }
 
 }  // namespace
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -12,7 +12,7 @@
 
 namespace {
 
-using namespace heart;
+using namespace heartgen;
 
 const ReportRow& row(const Report& report, const std::string& scope, const std::string& metric) {
   const auto found = std::find_if(report.begin(), report.end(),
@@ -59,8 +59,8 @@ TetMesh regular() {
 
 TetMesh cube(int n) {
   TetMesh mesh;
-  mesh.nodes_mm = heart::testing::cube_corners(n);
-  heart::testing::dice_cubes(n, [&](const Cell& cell, int, int, int) { mesh.cells.push_back(cell); });
+  mesh.nodes_mm = heartgen::testing::cube_corners(n);
+  heartgen::testing::dice_cubes(n, [&](const Cell& cell, int, int, int) { mesh.cells.push_back(cell); });
   mesh.region.assign(mesh.cells.size(), 1);
   list_faces(mesh);
   return mesh;

@@ -8,11 +8,11 @@
 
 #include "tests/support/two_region_mesh.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 TEST(MeshFaces, AreThoseOfTheCellsAscending) {
-  const TetMesh mesh = heart::testing::two_region_mesh(3);
+  const TetMesh mesh = heartgen::testing::two_region_mesh(3);
   std::map<Face, std::vector<std::int32_t>> cells_of;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     for (std::size_t without = 0; without < 4; ++without) {
@@ -50,4 +50,4 @@ TEST(MeshFaces, KeepFacesOfThreeCellsAndNoneOfNodesThatAreNotThere) {
 }
 
 }  // namespace
-}  // namespace heart::validation
+}  // namespace heartgen::validation

@@ -8,7 +8,7 @@
 
 #include "model/labels.hpp"
 
-namespace heart::validation {
+namespace heartgen::validation {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
@@ -89,4 +89,4 @@ TEST(CompareFibers, AConstantErrorIsFoundAndWhatIsUnknownIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace heart::validation
+}  // namespace heartgen::validation

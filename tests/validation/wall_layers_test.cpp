@@ -7,8 +7,8 @@
 
 namespace {
 
-using namespace heart;
-using namespace heart::testing;
+using namespace heartgen;
+using namespace heartgen::testing;
 
 /// Diced cubes: lv_blood below, a wall of `layers` cubes from z = 1 on, `beyond` above it; only the faces between them
 /// are listed. An edge of a diced cube goes one cube up at most.

@@ -1,0 +1,36 @@
+#include "generator/anatomy/hounsfield.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/error.hpp"
+
+namespace heartgen::anatomy {
+
+Volume<float> as_float(const CtVolume& ct) {
+  Volume<float> image(ct.grid);
+  std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
+  return image;
+}
+
+void require_hounsfield(const CtVolume& ct, const std::string& where) {
+  constexpr int darker_than_water_hu = -30;  // fat begins here
+  constexpr double least_share = 1e-3;
+  const auto dark =
+      std::count_if(ct.voxels.begin(), ct.voxels.end(), [](std::int16_t hu) { return hu < darker_than_water_hu; });
+  if (static_cast<double>(dark) >= least_share * static_cast<double>(ct.voxels.size())) return;
+  if (ct.voxels.empty()) return;
+  const auto [least, most] = std::minmax_element(ct.voxels.begin(), ct.voxels.end());
+  constexpr int soft_tissue_hu = 200;  // an image of nothing brighter may well be in Hounsfield units,
+  const bool like_labels = *least == 0 && *most <= soft_tissue_hu;  // but not with a background of 0
+  if (*most <= soft_tissue_hu && !like_labels) return;
+  throw UserError(fmt::format("grey values from {} to {} are no Hounsfield units: neither fat nor air is darker than 0",
+                              *least, *most),
+                  where,
+                  like_labels
+                      ? "is this a label map? Give the CT itself"
+                      : "apply the scan's rescale slope and intercept (often: subtract 1024), or export it again");
+}
+
+}  // namespace heartgen::anatomy

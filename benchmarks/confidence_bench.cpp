@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::array chambers = {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood};
 constexpr double valve_mm = 15;  // farther from its place a valve parts the wrong things
-constexpr double least_dice = 0.6;
+constexpr double min_dice = 0.6;
 
 /// Where things are in an image. Of a spoiled one nothing is right, whatever is found.
 struct Truth {
@@ -83,7 +83,7 @@ void score_chambers(const landmarks::SearchResult& result, const Truth& truth, S
       score.fail(name + " elsewhere");
     else if (!truth.model && norm(seed->second - truth.seeds_mm.at(name)) > same_pool_mm)
       score.fail(name + " elsewhere");
-    else if (truth.model && dice.at(name) < least_dice)
+    else if (truth.model && dice.at(name) < min_dice)
       score.fail(fmt::format("{} Dice {:.2f}", name, dice.at(name)));
   }
 }

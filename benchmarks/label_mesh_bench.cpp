@@ -121,7 +121,7 @@ void add_vessel(Table& table, const Mask& lumen, Region vessel, MeshSettings set
                                mesh.rims.size(), angles.least, angles.greatest)});
 }
 
-std::int64_t slice_with_most_muscle(const LabelVolume& labels) {
+std::int64_t slice_with_max_muscle(const LabelVolume& labels) {
   std::vector<std::int64_t> count(static_cast<std::size_t>(labels.grid.size[2]), 0);
   const auto per_slice = static_cast<std::size_t>(labels.grid.size[0] * labels.grid.size[1]);
   for (std::size_t v = 0; v < labels.voxels.size(); ++v)
@@ -168,14 +168,14 @@ Table bench_mesh_slice(const Settings& settings, const parallel::Comm& comm) {
   slice.edge_mm = 0.34;
   mesh::SliceReport report;
   TriMesh mesh;
-  const auto index = slice_with_most_muscle(labels);
+  const auto index = slice_with_max_muscle(labels);
   const double time = seconds([&] { mesh = mesh::mesh_slice(labels, index, slice, &report); });
   const auto add = [&](const char* what, double value, const char* unit, const std::string& note) {
     table.push_back({"mesh-slice", what, value, unit, note});
   };
   add("triangles", static_cast<double>(mesh.triangles.size()) / 1e3, "k", "the thesis: 163");
   add("from label map to mesh", time, "s", fmt::format("slice {}", index));
-  add("least angle", report.least_angle_deg, "degrees", "at least 28");
+  add("least angle", report.min_angle_deg, "degrees", "at least 28");
   add("greatest angle", report.greatest_angle_deg, "degrees", "at most 120");
   add("edges to their curve, p99", report.distance_p99, "edges", "");
   add("edges to their curve, greatest", report.distance_max, "edges", "");

@@ -51,7 +51,7 @@ struct Meshed {
   double edge_mm = 0;
 };
 
-Meshed mesh_of(AnalyticDomain domain, double least_deg, double greatest_deg, const mesh::LatticeAims& aims) {
+Meshed mesh_of(AnalyticDomain domain, double min_deg, double greatest_deg, const mesh::LatticeAims& aims) {
   constexpr int refinements = 2;
   constexpr std::int64_t crumb_cells = 30;
   mesh::LabelSet inside{};
@@ -63,7 +63,7 @@ Meshed mesh_of(AnalyticDomain domain, double least_deg, double greatest_deg, con
     for (const auto& [step, taken] : report.seconds) meshed.tries += step == "stuff" ? 1 : 0;
     meshed.edge_mm = domain.edge_mm;
     const auto angles = angles_of(meshed.complex);
-    if (angles.least >= least_deg && angles.greatest <= greatest_deg) break;
+    if (angles.least >= min_deg && angles.greatest <= greatest_deg) break;
   }
   return meshed;
 }
@@ -111,15 +111,15 @@ void add_cgal(Table& table, double our_cells_per_second) {
 
 void add_random_walls(Table& table) {
   constexpr std::uint32_t domains = 200;
-  constexpr double least_deg = 25, greatest_deg = 145;
+  constexpr double min_deg = 25, greatest_deg = 145;
   int good = 0, again = 0, broken = 0;
   Angles worst;
   for (std::uint32_t seed = 1; seed <= domains; ++seed) {
-    const auto meshed = mesh_of(random_walls(seed), least_deg, greatest_deg, {});
+    const auto meshed = mesh_of(random_walls(seed), min_deg, greatest_deg, {});
     const auto angles = angles_of(meshed.complex);
-    good += angles.least >= least_deg && angles.greatest <= greatest_deg;
+    good += angles.least >= min_deg && angles.greatest <= greatest_deg;
     again += meshed.tries > 1;
-    broken += !(angles.least_volume_mm3 > 0) || defects_of(meshed.complex) > 0;
+    broken += !(angles.min_volume_mm3 > 0) || defects_of(meshed.complex) > 0;
     worst.least = std::min(worst.least, angles.least);
     worst.greatest = std::max(worst.greatest, angles.greatest);
   }
@@ -137,11 +137,11 @@ void add_random_walls(Table& table) {
 void add_scaling(Table& table) {
   double time_before = 0, bytes_before = 0, cells_before = 0;
   constexpr int sizes = 9;  // 100 k to 25 M cells
-  constexpr double most_bytes_per_cell = 300;
+  constexpr double max_bytes_per_cell = 300;
   for (int doubling = 0; doubling < sizes; ++doubling) {
     const double edge = 2.27 * math::exp2(-doubling / 3.0);
     Meshed meshed;
-    if (2 * cells_before * most_bytes_per_cell > free_bytes()) {
+    if (2 * cells_before * max_bytes_per_cell > free_bytes()) {
       table.push_back({"mesh-scaling", fmt::format("{:.0f} k cells: left out", 2 * cells_before / 1e3), 0, "",
                        fmt::format("{:.1f} GB of memory are free", free_bytes() / 1e9)});
       return;

@@ -21,7 +21,7 @@ void add_cell(Angles& angles, const std::array<Vec3, 4>& p) {
       angles.least = std::min(angles.least, degrees);
       angles.greatest = std::max(angles.greatest, degrees);
     }
-  angles.least_volume_mm3 = std::min(angles.least_volume_mm3, dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / 6);
+  angles.min_volume_mm3 = std::min(angles.min_volume_mm3, dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / 6);
 }
 
 Distances summary_of(std::vector<double> distances) {

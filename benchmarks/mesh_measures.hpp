@@ -10,7 +10,7 @@ namespace heartgen::benchmarks {
 
 struct Angles {
   double least = 180, greatest = 0;  ///< dihedral, degrees
-  double least_volume_mm3 = 1e300;
+  double min_volume_mm3 = 1e300;
 };
 
 void add_cell(Angles& angles, const std::array<Vec3, 4>& corners_mm);

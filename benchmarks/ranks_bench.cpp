@@ -65,7 +65,9 @@ constexpr Stage stages[] = {
        perona_malik(image, {.iterations = iterations}, comm);
      }},
     {"minimal cut",
-     [](const Slabs& s, const Comm& comm) { minimal_cut(s.weight, s.band, {.max_iterations = iterations}, comm); }},
+     [](const Slabs& s, const Comm& comm) {
+       continuous_min_cut(s.weight, s.band, {.max_iterations = iterations}, comm);
+     }},
     {"total variation",
      [](const Slabs& s, const Comm& comm) {
        auto image = s.image;

@@ -97,14 +97,14 @@ void read_entry(archive* reader, const fs::path& archive_path, std::int64_t most
 
 /// The first entry, which says what the others are.
 std::string read_manifest_entry(archive* reader, const fs::path& path, std::set<std::string>& seen) {
-  constexpr std::int64_t most_bytes = 1 << 26;
+  constexpr std::int64_t max_bytes = 1 << 26;
   archive_entry* entry = nullptr;
   const int status = archive_read_next_header(reader, &entry);
   if (status != ARCHIVE_OK && status != ARCHIVE_EOF) fail(path, "cannot be read", reader);
   if (status == ARCHIVE_EOF || checked_name(path, entry, seen) != "manifest.json")
     throw UserError("does not begin with manifest.json", path.string(), not_packed);
   std::string text;
-  read_entry(reader, path, most_bytes, [&](const char* data, std::size_t bytes, std::size_t offset) {
+  read_entry(reader, path, max_bytes, [&](const char* data, std::size_t bytes, std::size_t offset) {
     if (text.size() < offset + bytes) text.resize(offset + bytes);
     std::copy_n(data, bytes, text.begin() + static_cast<std::ptrdiff_t>(offset));
   });
@@ -113,10 +113,10 @@ std::string read_manifest_entry(archive* reader, const fs::path& path, std::set<
 
 /// Path and bytes of what the manifest lists. Throws UserError where that is too much.
 std::map<std::string, std::int64_t> listed_sizes(const Manifest& manifest, const fs::path& path, const fs::path& into) {
-  constexpr std::size_t most_files = 100'000;
-  if (manifest.files.size() > most_files)
+  constexpr std::size_t max_files = 100'000;
+  if (manifest.files.size() > max_files)
     throw UserError(fmt::format("its manifest lists {} files", manifest.files.size()), path.string(),
-                    fmt::format("a bundle has at most {}", most_files));
+                    fmt::format("a bundle has at most {}", max_files));
   std::map<std::string, std::int64_t> sizes;
   double all = 0;
   for (const auto& file : manifest.files) all += static_cast<double>(sizes[file.path] = file.bytes);

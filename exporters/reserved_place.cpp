@@ -102,11 +102,11 @@ void require_replaceable(const fs::path& folder, Existing existing) {
   if (existing == Existing::refuse)
     throw UserError("a bundle is there already", folder.string(),
                     "name another output folder, or replace the bundle with --force");
-  constexpr std::size_t most_named = 3;
+  constexpr std::size_t max_named = 3;
   auto foreign = foreign_in(folder, listed);
   if (foreign.empty()) return;
-  const auto more = foreign.size() > most_named ? fmt::format(" and {} more", foreign.size() - most_named) : "";
-  foreign.resize(std::min(foreign.size(), most_named));
+  const auto more = foreign.size() > max_named ? fmt::format(" and {} more", foreign.size() - max_named) : "";
+  foreign.resize(std::min(foreign.size(), max_named));
   throw UserError(fmt::format("holds files that are not in its manifest: {}{}", fmt::join(foreign, ", "), more),
                   folder.string(), "move them away, or name another output folder");
 }

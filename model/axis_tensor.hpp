@@ -80,7 +80,7 @@ inline Vec3 leading_axis_by_rotations(const AxisTensor& t) {
 inline Vec3 leading_axis(const AxisTensor& t) {
   constexpr double clear = -0.5;    // r is -1 where the two largest eigenvalues are one, 1 where the two others are
   constexpr double uneven = 1e-20;  // squared: below, the tensor is a multiple of the identity but for rounding
-  constexpr int most_steps = 8;     // r = clear needs five
+  constexpr int max_steps = 8;      // r = clear needs five
   const double m = trace(t) / 3;
   Vec3 diagonal{t.c[0] - m, t.c[1] - m, t.c[2] - m}, rest{t.c[3], t.c[4], t.c[5]};  // xx yy zz, xy xz yz
   const double p2 = (dot(diagonal, diagonal) + 2 * dot(rest, rest)) / 6;
@@ -93,7 +93,7 @@ inline Vec3 leading_axis(const AxisTensor& t) {
              rest.x * (rest.x * diagonal.z - rest.z * rest.y) + rest.y * (rest.x * rest.z - diagonal.y * rest.y));
   if (!(r > clear)) return leading_axis_by_rotations(t);
   double x = 2;
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < max_steps; ++step) {
     const double lower = x - (x * (x * x - 3) - 2 * r) / (3 * (x * x - 1));
     if (!(lower < x)) break;
     x = lower;

@@ -31,7 +31,7 @@ double limit_in(const fs::path& file) {
 }
 
 /// Of a group and of all above it, up to the mount. A container sees its own group as the mount itself.
-double least_limit(const fs::path& mount, std::string group, const char* file) {
+double min_limit(const fs::path& mount, std::string group, const char* file) {
   double least = limit_in(mount / file);
   for (; group.size() > 1; group = fs::path(group).parent_path().string())
     least = std::min(least, limit_in(mount / group.substr(1) / file));
@@ -76,9 +76,9 @@ double cgroup_bytes(const fs::path& membership, const fs::path& mounts) {
     const auto first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1), group = line.substr(second + 1);
-    if (controllers.empty()) least = std::min(least, least_limit(mounts, group, "memory.max"));
+    if (controllers.empty()) least = std::min(least, min_limit(mounts, group, "memory.max"));
     if (has_entry(controllers, "memory"))
-      least = std::min(least, least_limit(mounts / "memory", group, "memory.limit_in_bytes"));
+      least = std::min(least, min_limit(mounts / "memory", group, "memory.limit_in_bytes"));
   }
   return least;
 }

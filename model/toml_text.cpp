@@ -13,7 +13,7 @@
 namespace heartgen {
 namespace {
 
-constexpr std::size_t most_bytes = 4U << 20, most_parts = 16, deepest = 64;
+constexpr std::size_t max_bytes = 4U << 20, max_parts = 16, deepest = 64;
 
 /// Behind the string that begins at `at`: '...', "...", or three of these marks on either side.
 std::size_t behind_string(std::string_view text, std::size_t at) {
@@ -55,7 +55,7 @@ void check_nesting(std::string_view text, const std::string& path) {
     else if (std::string_view("[]{}=,\n").find(c) != std::string_view::npos)
       parts = 1;
     if (depth > deepest) refuse("values lie within values too often");
-    if (parts > most_parts) refuse("a key has too many parts");
+    if (parts > max_parts) refuse("a key has too many parts");
     ++at;
   }
 }
@@ -65,7 +65,7 @@ void check_nesting(std::string_view text, const std::string& path) {
 std::string checked_toml(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file.is_open()) throw UserError("no right to read it", path, "ask its owner for the right");
-  if (std::filesystem::file_size(path) > most_bytes)
+  if (std::filesystem::file_size(path) > max_bytes)
     throw UserError("is too large for a recipe", path, "name a recipe, which is a short text");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   check_nesting(text, path);

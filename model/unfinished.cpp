@@ -32,11 +32,11 @@ void forget_unfinished(const fs::path& path) {
 }
 
 void remove_unfinished() {
-  unfinished().mutex.lock();       // and kept
-  constexpr int most_tries = 100;  // other threads may be making their last files in a folder
+  unfinished().mutex.lock();      // and kept
+  constexpr int max_tries = 100;  // other threads may be making their last files in a folder
   for (const auto& path : unfinished().paths) {
     std::error_code error;
-    for (int tries = 0; tries < most_tries && fs::exists(fs::symlink_status(path, error)); ++tries)
+    for (int tries = 0; tries < max_tries && fs::exists(fs::symlink_status(path, error)); ++tries)
       fs::remove_all(path, error);
   }
 }

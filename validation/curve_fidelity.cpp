@@ -24,7 +24,7 @@ namespace {
 using Regions = std::uint32_t;  // bit R: region R, 0 the outside
 
 constexpr double reach_edges = 2;
-constexpr std::size_t fewest_edges = 10;
+constexpr std::size_t min_edges = 10;
 
 Regions bit_of(int region) { return Regions{1} << region; }
 
@@ -241,7 +241,7 @@ Report check_curves(const std::string& mesh_name, const TetMesh& mesh, const std
   add_distances(rows, mesh_name, "curve_from_level_set", from_labels, nullptr);
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const auto count = std::ranges::count(edges, c, &CurveEdge::curve);
-    if (static_cast<std::size_t>(count) < fewest_edges) continue;
+    if (static_cast<std::size_t>(count) < min_edges) continue;
     const std::string scope = mesh_name + "/" + mesh_queries::curve_name(curves[c]);
     rows.push_back({"mesh", scope, "curve_length", length_of(mesh, curves[c]), "mm", {}, {}});
     add_distances(rows, scope, "curve_to_level_set", to_labels, &c);

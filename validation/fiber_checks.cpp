@@ -166,7 +166,7 @@ struct HelixSamples {
 
 /// Helix angle at the centroid of every cell of the ventricle, away from the apex, where "around" means nothing.
 HelixSamples helix_samples(const TetMesh& mesh, Region ventricle) {
-  constexpr double least_tangent = 0.3;
+  constexpr double min_tangent = 0.3;
   HelixSamples samples;
   if (mesh.cell_fibers.fiber.size() != mesh.cells.size()) return samples;
   const WallDepth wall = wall_depth(mesh, ventricle);
@@ -175,7 +175,7 @@ HelixSamples helix_samples(const TetMesh& mesh, Region ventricle) {
     const Vec3 n = wall.normal[w];
     const Vec3 along = axis - dot(axis, n) * n;
     const Vec3 fiber = mesh.cell_fibers.fiber[static_cast<std::size_t>(wall.cells[w])];
-    if (norm(n) < 0.5 || norm(along) < least_tangent || !finite(fiber)) continue;
+    if (norm(n) < 0.5 || norm(along) < min_tangent || !finite(fiber)) continue;
     const Vec3 up = normalized(along);
     double rise = dot(fiber, up), turn = dot(fiber, cross(up, n));
     if (turn < 0) rise = -rise, turn = -turn;

@@ -81,7 +81,7 @@ double percentile(std::vector<double>& values, double share, std::ptrdiff_t& pla
 /// Extremes and means over some cells.
 struct CellSummary {
   std::int64_t cells = 0, inverted = 0;
-  double volume = 0, least_volume = std::numeric_limits<double>::max();
+  double volume = 0, min_volume = std::numeric_limits<double>::max();
   double min_dihedral = 180, max_dihedral = 0;
   double min_radius_ratio = 1, radius_ratio = 0, min_scaled_jacobian = 1, scaled_jacobian = 0;
   double shortest = std::numeric_limits<double>::max(), longest = 0, edges = 0;
@@ -90,7 +90,7 @@ struct CellSummary {
     ++cells;
     inverted += !(q.volume_mm3 > 0);
     volume += q.volume_mm3;
-    least_volume = std::min(least_volume, q.volume_mm3);
+    min_volume = std::min(min_volume, q.volume_mm3);
     min_dihedral = std::min(min_dihedral, q.min_dihedral_deg);
     max_dihedral = std::max(max_dihedral, q.max_dihedral_deg);
     min_radius_ratio = std::min(min_radius_ratio, q.radius_ratio);
@@ -106,7 +106,7 @@ struct CellSummary {
 void add_shape_rows(const Rows& rows, const CellSummary& s) {
   const auto n = static_cast<double>(s.cells);
   rows.add("volume", s.volume / 1000, "ml");
-  rows.add("cell_volume_min", s.least_volume, "mm3");
+  rows.add("cell_volume_min", s.min_volume, "mm3");
   rows.add("radius_ratio_min", s.min_radius_ratio, "1");
   rows.add("radius_ratio_mean", s.radius_ratio / n, "1");
   rows.add("scaled_jacobian_min", s.min_scaled_jacobian, "1");

@@ -89,7 +89,7 @@ struct Half {
 };
 
 /// All faces of all cells, those of smallest node n from start[n] to start[n + 1].
-std::vector<Half> halves_by_least_node(const TetMesh& mesh, std::vector<std::size_t>& start) {
+std::vector<Half> halves_by_min_node(const TetMesh& mesh, std::vector<std::size_t>& start) {
   start.assign(mesh.nodes_mm.size() + 1, 0);
   for (Cell cell : mesh.cells) {
     std::sort(cell.begin(), cell.end());
@@ -143,7 +143,7 @@ std::map<std::int32_t, std::int64_t> count_components(const TetMesh& mesh, const
 std::vector<MeshFace> mesh_faces(const TetMesh& mesh) {
   if (!ids_are_valid(mesh)) return {};
   std::vector<std::size_t> start;
-  auto halves = halves_by_least_node(mesh, start);
+  auto halves = halves_by_min_node(mesh, start);
   const auto nodes = static_cast<std::int64_t>(mesh.nodes_mm.size());
   std::vector<std::size_t> count(static_cast<std::size_t>(nodes) + 1, 0);
   const auto for_nodes = [&](const auto& body) {

@@ -114,7 +114,7 @@ WallField difference_field(const TetMesh& mesh) {
 }
 
 WallField quality_field(const TetMesh& mesh) {
-  const auto of_cell = [&](std::size_t c) { return least_dihedral_deg(mesh, c); };
+  const auto of_cell = [&](std::size_t c) { return min_dihedral_deg(mesh, c); };
   WallField field{"quality", "smallest dihedral angle of a cell", "\u00B0", 0, 70, {}, {}};
   field.values = node_values(mesh, of_cell, [](double a, double b) { return std::min(a, b); });
   return field;
@@ -140,7 +140,7 @@ std::vector<WallField> wall_fields(const TetMesh& walls, const std::vector<doubl
   return fields;
 }
 
-double least_dihedral_deg(const TetMesh& mesh, std::size_t cell) {
+double min_dihedral_deg(const TetMesh& mesh, std::size_t cell) {
   std::array<Vec3, 4> corners;
   for (std::size_t k = 0; k < 4; ++k) corners[k] = mesh.nodes_mm[static_cast<std::size_t>(mesh.cells[cell][k])];
   return cell_quality(corners).min_dihedral_deg;

@@ -27,6 +27,6 @@ std::uint8_t byte_of(const WallField& field, double value);
 std::vector<WallField> wall_fields(const TetMesh& walls, const std::vector<double>& helix_deg);
 
 /// Smallest dihedral angle of a cell, degrees.
-double least_dihedral_deg(const TetMesh& mesh, std::size_t cell);
+double min_dihedral_deg(const TetMesh& mesh, std::size_t cell);
 
 }  // namespace heartgen::validation

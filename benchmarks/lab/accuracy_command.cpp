@@ -39,7 +39,7 @@ constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 struct Bound {
   Region region;
   const char* heading;
-  double least_dice;
+  double min_dice;
 };
 /// What a phantom at 0.5 x 0.5 x 1.2 mm must reach, any variant, any noise up to 40 HU.
 constexpr std::array<Bound, 6> bounds = {{{Region::lv_blood, "lv", 0.98},
@@ -48,7 +48,7 @@ constexpr std::array<Bound, 6> bounds = {{{Region::lv_blood, "lv", 0.98},
                                           {Region::rv_myocardium, "rv wall", 0.80},
                                           {Region::la_blood, "la", 0.96},
                                           {Region::ra_blood, "ra", 0.96}}};
-constexpr double most_distance_mm = 0.4;
+constexpr double max_distance_mm = 0.4;
 constexpr std::array<const char*, 4> valve_names = {"mitral", "aortic", "tricuspid", "pulmonary"};
 
 struct ValveError {
@@ -184,10 +184,10 @@ std::vector<std::string> misses(const Case& c) {
   for (const Bound& bound : bounds) {
     const double dice = value_of(c, bound.region, "dice");
     const double distance = value_of(c, bound.region, "surface_distance_mean");
-    if (!(dice >= bound.least_dice))
-      result.push_back(fmt::format("{} dice {:.3f} < {:.2f}", bound.heading, dice, bound.least_dice));
-    if (!(distance <= most_distance_mm))
-      result.push_back(fmt::format("{} distance {:.2f} > {:.1f} mm", bound.heading, distance, most_distance_mm));
+    if (!(dice >= bound.min_dice))
+      result.push_back(fmt::format("{} dice {:.3f} < {:.2f}", bound.heading, dice, bound.min_dice));
+    if (!(distance <= max_distance_mm))
+      result.push_back(fmt::format("{} distance {:.2f} > {:.1f} mm", bound.heading, distance, max_distance_mm));
   }
   return result;
 }

@@ -230,7 +230,7 @@ struct Carried {
   double seconds = 0;
 };
 
-Carried carry_to(const fibers::Hearts& hearts, const std::vector<Vec3>& points_mm, const std::string& method) {
+Carried carry_to(const fibers::RegisteredPair& hearts, const std::vector<Vec3>& points_mm, const std::string& method) {
   const double start_s = now_s();
   const auto walls = fibers::point_walls(hearts, points_mm, std::vector<std::uint8_t>(points_mm.size(), 1));
   Carried carried;
@@ -248,7 +248,7 @@ std::vector<AxisTensor> at_sources(const KnownAxes& known, const std::vector<Vec
 }
 
 /// Rows of one carried heart: at voxels, and at the nodes and cells of a mesh where there is one.
-void add_rows(const FiberCase& patient, HelixField field, const fibers::Hearts& hearts, const TetMesh& mesh,
+void add_rows(const FiberCase& patient, HelixField field, const fibers::RegisteredPair& hearts, const TetMesh& mesh,
               RowName name, double prepared_s, const std::function<void(Json)>& add) {
   const auto row = [&](const char* at, const KnownAxes& known, const std::vector<AxisTensor>& axes, double seconds) {
     name.at = at;
@@ -329,7 +329,7 @@ int fiber_accuracy_command(const FiberAccuracyCommand& command) {
         const FiberCase patient = make_fiber_case(name, spacing_mm);
         const TetMesh mesh = mesh_of(patient, command.mesh_edge_mm, !command.json);
         const double start_s = now_s();
-        const auto hearts = fibers::prepare_hearts(patient.labels, patient.landmarks, atlas, command.atlas, settings);
+        const auto hearts = fibers::register_pair(patient.labels, patient.landmarks, atlas, command.atlas, settings);
         const double prepared_s = now_s() - start_s;
         for (const auto& method : command.methods)
           add_rows(patient, fields[f], hearts, mesh, {name, command.fields[f], frame, method, ""}, prepared_s, add);

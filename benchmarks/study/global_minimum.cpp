@@ -99,7 +99,7 @@ Field level_half(const Field& u) {
 }  // namespace
 
 GlobalMinimum global_minimum(const Field& image, const Domain& domain, const GlobalSettings& settings) {
-  return global_minimum(image, domain, settings, two_classes(image, domain, settings.norm));
+  return global_minimum(image, domain, settings, two_means(image, domain, settings.norm));
 }
 
 GlobalMinimum global_minimum(const Field& image, const Domain& domain, const GlobalSettings& settings,

@@ -25,7 +25,7 @@ struct GlobalMinimum {
   int iterations = 0;       ///< over all solves
 };
 
-/// From the two best classes of the grey values. Throws UserError as `two_classes` does.
+/// From the two best classes of the grey values. Throws UserError as `two_means` does.
 GlobalMinimum global_minimum(const Field& image, const Domain& domain, const GlobalSettings& settings);
 
 /// From given grey values.

@@ -41,7 +41,7 @@ Field random_start(int width, int height, std::uint64_t key) {
 }
 
 Field two_class_start(const Field& image, const Domain& domain, Norm norm) {
-  const GreyValues c = two_classes(image, domain, norm);
+  const GreyValues c = two_means(image, domain, norm);
   const double threshold = 0.5 * (c.positive + c.negative);
   Field phi(image.width, image.height);
   for (int j = 0; j < image.height; ++j)

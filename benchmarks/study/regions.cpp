@@ -100,7 +100,7 @@ double energy(const Field& image, const Field& phi, const Domain& domain, Norm n
   return mu * contour_length(phi, length) + lambda * fidelity;
 }
 
-GreyValues two_classes(const Field& image, const Domain& domain, Norm norm) {
+GreyValues two_means(const Field& image, const Domain& domain, Norm norm) {
   std::vector<double> sorted;
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i)

@@ -29,6 +29,6 @@ double energy(const Field& image, const Field& phi, const Domain& domain, Norm n
 
 /// The best two classes of the grey values, wherever they lie: the problem with μ = 0 (thesis 5.2). The global optimum
 /// over all thresholds. Throws UserError where all grey values are the same.
-GreyValues two_classes(const Field& image, const Domain& domain, Norm norm);
+GreyValues two_means(const Field& image, const Domain& domain, Norm norm);
 
 }  // namespace heartgen::study

@@ -4,7 +4,8 @@
 #include <ceres/rotation.h>
 
 #include <cmath>
-#include <stdexcept>
+
+#include "model/contract.hpp"
 
 namespace heartgen::adapters {
 namespace {
@@ -139,8 +140,10 @@ AffineMap map_of(const AffineMap& start, const Vec3& center, const PoseParameter
 PoseFit fit_pose(const AffineMap& start, const Vec3& center_mm, const std::vector<Vec3>& points_mm,
                  const std::vector<const Volume<float>*>& targets, const std::vector<std::vector<float>>& values,
                  PoseFreedom freedom) {
-  if (points_mm.empty() || targets.empty() || values.size() != targets.size())
-    throw std::invalid_argument("fit_pose: points, targets and values do not match");
+  HEARTGEN_EXPECTS(!points_mm.empty() && !targets.empty());
+  HEARTGEN_EXPECTS(values.size() == targets.size());
+  for (const auto& channel : values) HEARTGEN_EXPECTS(channel.size() == points_mm.size());
+  for (const auto* target : targets) HEARTGEN_EXPECTS(target->grid == targets[0]->grid);
   PoseParameters p;
   ceres::Problem problem;
   const int channels = static_cast<int>(targets.size());
@@ -168,8 +171,7 @@ PoseFit fit_pose(const AffineMap& start, const Vec3& center_mm, const std::vecto
 }
 
 PoseFit fit_points(const std::vector<Vec3>& from_mm, const std::vector<Vec3>& to_mm, PoseFreedom freedom) {
-  if (from_mm.size() < 3 || from_mm.size() != to_mm.size())
-    throw std::invalid_argument("fit_points: needs three pairs of points");
+  HEARTGEN_EXPECTS(from_mm.size() >= 3 && from_mm.size() == to_mm.size());
   const auto middle = [](const std::vector<Vec3>& points) {
     Vec3 sum;
     for (const auto& p : points) sum += p / static_cast<double>(points.size());

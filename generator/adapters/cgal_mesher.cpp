@@ -110,8 +110,8 @@ double roundness(const std::array<Vec3, 4>& p) {
 // four of five points inside the cell agree on another label, that label holds. Slivers stay as they are: one more of
 // them on a surface changes nothing but the worst angle.
 int settled_label(const std::array<Vec3, 4>& p, int label, const ImplicitDomain& domain) {
-  constexpr double least_roundness = 0.15;
-  if (roundness(p) < least_roundness) return label;
+  constexpr double min_roundness = 0.15;
+  if (roundness(p) < min_roundness) return label;
   const Vec3 center = 0.25 * (p[0] + p[1] + p[2] + p[3]);
   const int at_center = domain.label_at(center);
   if (at_center == label) return label;

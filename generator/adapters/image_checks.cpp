@@ -11,8 +11,8 @@
 namespace heartgen::adapters {
 namespace {
 
-constexpr double largest_anisotropy = 10, least_mm = 1e-6, most_mm = 1e5, same_direction = 1e-3;
-constexpr double most_voxels = 2048.0 * 2048 * 2048;
+constexpr double largest_anisotropy = 10, min_mm = 1e-6, max_mm = 1e5, same_direction = 1e-3;
+constexpr double max_voxels = 2048.0 * 2048 * 2048;
 
 void check_counts(const Index3& size, const std::string& path) {
   double voxels = 1;
@@ -20,7 +20,7 @@ void check_counts(const Index3& size, const std::string& path) {
     if (length <= 0) throw UserError("is empty: a size below 1 voxel", path, "is it complete and undamaged?");
     voxels *= static_cast<double>(length);
   }
-  if (voxels > most_voxels)
+  if (voxels > max_voxels)
     throw UserError(fmt::format("has {} x {} x {} voxels, more than 2048 x 2048 x 2048", size[0], size[1], size[2]),
                     path, "crop or resample the volume");
 }
@@ -29,7 +29,7 @@ void check_spacing(const Vec3& s, const std::string& path) {
   const double least = std::min({s.x, s.y, s.z}), most = std::max({s.x, s.y, s.z});
   if (!(s.x > 0 && s.y > 0 && s.z > 0))
     throw UserError("has a voxel spacing that is not positive", path, "repair the header");
-  if (!(least >= least_mm && most <= most_mm))
+  if (!(least >= min_mm && most <= max_mm))
     throw UserError(fmt::format("voxels of {:.6g} x {:.6g} x {:.6g} mm cannot be", s.x, s.y, s.z), path,
                     "repair the header");
   if (most > largest_anisotropy * least)
@@ -40,7 +40,7 @@ void check_spacing(const Vec3& s, const std::string& path) {
 
 void check_origin(const Vec3& origin, const std::string& path) {
   for (int axis = 0; axis < 3; ++axis)
-    if (!(std::abs(origin[axis]) <= most_mm))
+    if (!(std::abs(origin[axis]) <= max_mm))
       throw UserError(fmt::format("an origin at {:.6g}, {:.6g}, {:.6g} mm cannot be", origin.x, origin.y, origin.z),
                       path, "repair the header");
 }

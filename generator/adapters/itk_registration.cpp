@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "model/contract.hpp"
+
 namespace heartgen::adapters {
 namespace {
 
@@ -105,7 +107,7 @@ Displacement::Pointer run_level(const Scalar::Pointer& fixed, const Scalar::Poin
 
 Volume<Vec3> diffeomorphic_demons(const Volume<float>& fixed, const Volume<float>& moving,
                                   const DemonsSettings& settings) {
-  if (!(fixed.grid == moving.grid)) throw std::invalid_argument("demons: the two images must share one grid");
+  HEARTGEN_EXPECTS(fixed.grid == moving.grid);
   Volume<Vec3> result(fixed.grid);
   try {
     const auto fixed_image = itk_image(fixed), moving_image = itk_image(moving);

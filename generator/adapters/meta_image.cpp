@@ -53,18 +53,18 @@ std::vector<std::int64_t> whole_numbers(const std::string& list) {
 }  // namespace
 
 void check_meta_header(const std::string& path) {
-  constexpr std::size_t most_bytes = 1 << 20;
-  constexpr std::int64_t most_dimensions = 4;
+  constexpr std::size_t max_bytes = 1 << 20;
+  constexpr std::int64_t max_dimensions = 4;
   std::ifstream header(path, std::ios::binary);
   std::size_t bytes = 0;
   std::int64_t dimensions = 0;
   for (std::string line; std::getline(header, line);) {
     check_line(line, path);
-    if ((bytes += line.size() + 1) > most_bytes) refuse_header(path, "it does not end");
+    if ((bytes += line.size() + 1) > max_bytes) refuse_header(path, "it does not end");
     if (const auto value = meta_value(line, "NDims"); !value.empty()) {
       const auto numbers = whole_numbers(value);
       dimensions = numbers.empty() ? 0 : numbers.front();
-      if (dimensions < 1 || dimensions > most_dimensions)
+      if (dimensions < 1 || dimensions > max_dimensions)
         refuse_header(path, fmt::format("{} dimensions", one_line(value)));
     }
     if (const auto value = meta_value(line, "DimSize"); !value.empty()) {

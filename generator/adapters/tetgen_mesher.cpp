@@ -211,7 +211,7 @@ LabelledCells fill_surfaces(const SurfaceComplex& surfaces, const std::function<
   std::int32_t last = 0;
   for (const auto& seed : surfaces.seeds) last = std::max(last, seed.label);
   // p: given surfaces, Y: their triangles stay, M: coplanar ones too, A: labels, q: quality, Q: quiet.
-  auto cells = run(input, fmt::format("pYMAq{}/{}Q", settings.radius_edge_ratio, settings.least_angle_deg), last);
+  auto cells = run(input, fmt::format("pYMAq{}/{}Q", settings.radius_edge_ratio, settings.min_angle_deg), last);
   if (cells.cells.empty())
     throw UserError("TetGen made no cells", "recipe, [mesh], backend = \"tetgen\"", "use \"lattice\"");
   return cells;

@@ -26,7 +26,7 @@ struct SurfaceComplex {
 
 struct FillSettings {
   double radius_edge_ratio = 1.4;  ///< greatest circumradius over shortest edge of a cell away from the surfaces
-  double least_angle_deg = 16;     ///< dihedral angle that refinement asks for; it stops at the surfaces
+  double min_angle_deg = 16;       ///< dihedral angle that refinement asks for; it stops at the surfaces
   double volume_share = 0.2;       ///< greatest volume of a cell, as a share of the cube of the wanted edge
 };
 

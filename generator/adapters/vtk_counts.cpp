@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t largest_compression = 1032;
 constexpr std::uint64_t nominal_block = 1U << 26;  // writers announce their usual block size, however short the array
-constexpr std::uint64_t most_components = 4096;
+constexpr std::uint64_t max_components = 4096;
 
 struct File {
   const std::filesystem::path& path;
@@ -179,7 +179,7 @@ void check_xml(const File& file) {
                                      "NumberOfVerts", "NumberOfLines", "NumberOfStrips"})
     for_each_number(header, std::string(key) + "=\"", [&](std::uint64_t count) { require(file, count, most, key); });
   for_each_number(header, "NumberOfComponents=\"",
-                  [&](std::uint64_t count) { require(file, count, most_components, "NumberOfComponents"); });
+                  [&](std::uint64_t count) { require(file, count, max_components, "NumberOfComponents"); });
   if (appended == std::string_view::npos) return;
   const auto data = text.find('_', appended);
   const bool raw = text.substr(appended, 64).find("\"raw\"") != std::string_view::npos;

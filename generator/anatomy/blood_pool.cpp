@@ -25,7 +25,7 @@ namespace {
 constexpr double smoothing_mm = 0.6;        // against noise; moves a flat edge by nothing
 constexpr double core_smoothing_mm = 1.5;   // for the grey values of blood, which vary slowly
 constexpr double seed_ball_mm = 4;          // grey values are medians of this ball around a seed
-constexpr double least_contrast_hu = 25;    // blood less bright than this above muscle cannot be told from it
+constexpr double min_contrast_hu = 25;      // blood less bright than this above muscle cannot be told from it
 constexpr double clear_contrast = 4;        // times the noise: weaker contrasts are cut in the smoother image
 constexpr double core_depth_mm = 3;         // blood this deep has its own grey value, free of partial volumes
 constexpr double core_fraction = 0.3;       // of the weakest contrast: what counts as blood for the cores
@@ -44,7 +44,7 @@ Mask above(const Volume<float>& image, double threshold) {
 /// from the right heart, whose blood may be as dark as to be taken for muscle; on all sides where too little is left.
 double muscle_shell_hu(const Volume<float>& image, const Landmarks& landmarks, double soft_hu, double lv_hu) {
   constexpr double reach_mm = 45;
-  constexpr std::size_t least_voxels = 100;
+  constexpr std::size_t min_voxels = 100;
   const auto& seeds = landmarks.seeds_mm;
   const Vec3& lv = seeds.at("lv_blood");
   const Vec3 to_right = 0.5 * (seeds.at("rv_blood") + seeds.at("ra_blood")) - lv;
@@ -63,9 +63,9 @@ double muscle_shell_hu(const Volume<float>& image, const Landmarks& landmarks, d
   for (std::int64_t k = 0; k < size[2]; ++k)
     for (std::int64_t j = 0; j < size[1]; ++j)
       for (std::int64_t i = 0; i < size[0]; ++i) add(i, j, k);
-  auto& values = away.size() < least_voxels ? all : away;
-  if (values.size() < least_voxels) return soft_hu;
-  return std::min(image::typical_grey(values, image::muscle_window_hu), threshold);
+  auto& values = away.size() < min_voxels ? all : away;
+  if (values.size() < min_voxels) return soft_hu;
+  return std::min(image::modal_intensity(values, image::muscle_window_hu), threshold);
 }
 
 /// Grey value of the nearest deep blood (the mean of the deep blood around, so without partial volumes) as a byte of
@@ -113,7 +113,7 @@ struct SeedGreys {
 /// Grey value at a seed that must be in bright blood. It may lie on a papillary muscle: only what is clearly brighter
 /// than muscle around it counts.
 double bright_grey(const CtVolume& ct, const Landmarks& landmarks, const char* name, double muscle_hu) {
-  const double least = muscle_hu + least_contrast_hu;
+  const double least = muscle_hu + min_contrast_hu;
   const Vec3& seed = landmarks.seeds_mm.at(name);
   const double grey = median_around(ct, seed, seed_ball_mm, least);
   if (grey > least) return grey;
@@ -156,7 +156,7 @@ BloodPool find_blood(const CtVolume& ct, const Landmarks& landmarks, double soft
   const double noise = noise_hu(image, result.smooth, core);
   for (std::size_t v = 0; v < image.voxels.size(); ++v) {
     const double blood_hu = local.voxels[v] ? local.voxels[v] * grey_step_hu : grey.left;
-    const double contrast = std::max(blood_hu - muscle, least_contrast_hu);
+    const double contrast = std::max(blood_hu - muscle, min_contrast_hu);
     const float value = contrast > clear_contrast * noise ? image.voxels[v] : result.smooth.voxels[v];
     result.blood.voxels[v] = static_cast<double>(value) > muscle + threshold_fraction * contrast;
   }

@@ -38,7 +38,7 @@ constexpr double even_hu_per_mm = 16;          // contrast-filled blood, spleen 
 constexpr double even_depth_mm = 2;            // off the surface, where every organ varies
 constexpr double even_rim_mm = 2.5;            // beyond that depth the rest of the organ follows
 constexpr float even_rim_hu = 80;              // but nothing so much brighter than the organ, which is bone beside it
-constexpr double least_even_ml = 2;            // smaller even spots are marrow
+constexpr double min_even_ml = 2;              // smaller even spots are marrow
 constexpr double vessel_correlation = 0.6;     // of grey value and depth; tubes of blood have more, bones less
 constexpr double brightest_vessel = 1.15;      // of the heart's blood
 constexpr float deepest_mm = 12;               // beyond that depth makes no difference
@@ -50,7 +50,7 @@ constexpr double trim_depth_mm = 2.2;          // the blurred outside of bone is
 constexpr double bright_reach_mm = 2.5;        // the shell that it belongs to is this near
 constexpr float soft_hu = 60;                  // of muscle beside bone
 constexpr float trim_fraction = 0.45;          // of the shell's height above that: a little less, for the marrow's sake
-constexpr double least_bone_ml = 0.5;
+constexpr double min_bone_ml = 0.5;
 constexpr double lung_look_mm = 4;  // beyond the blurred rim of a piece
 
 template <class Rule>
@@ -131,9 +131,9 @@ double median_under(const Volume<float>& image, const LabelVolume& labels, Regio
 Mask find_vessels(const Volume<float>& image, const LabelVolume& chambers) {
   const Mask heart =
       mask_where(chambers.grid, [&](std::size_t v) { return is_blood(static_cast<Region>(chambers.voxels[v])); });
-  const double least_hu = vessel_fraction * median_under(image, chambers, Region::lv_blood);
+  const double min_hu = vessel_fraction * median_under(image, chambers, Region::lv_blood);
   const Mask bright =
-      mask_where(chambers.grid, [&](std::size_t v) { return static_cast<double>(image.voxels[v]) > least_hu; });
+      mask_where(chambers.grid, [&](std::size_t v) { return static_cast<double>(image.voxels[v]) > min_hu; });
   const image::Components wide =
       image::connected_components(image::unite(image::erode(image::unite(bright, heart), contact_mm), heart));
   std::vector<std::uint8_t> joined(wide.voxel_count.size(), 0);
@@ -165,7 +165,7 @@ Mask find_even(const CtVolume& ct, const Mask& bright) {
 
 /// Organs and vessels full of contrast among the bright voxels: even in grey value, where spongy bone seldom is.
 Mask find_even_organs(const CtVolume& ct, const Volume<float>& image, const Mask& bright) {
-  const auto least = static_cast<std::int64_t>(least_even_ml * 1000 / ct.grid.voxel_volume_mm3());
+  const auto least = static_cast<std::int64_t>(min_even_ml * 1000 / ct.grid.voxel_volume_mm3());
   const image::Components cores =
       image::connected_components(image::drop_small_components(find_even(ct, bright), least));
   const std::size_t most = std::min<std::size_t>(cores.voxel_count.size(), 256);  // far more than a body has
@@ -188,14 +188,14 @@ Mask find_even_organs(const CtVolume& ct, const Volume<float>& image, const Mask
 }
 
 /// Pieces that have cortical bone in them; contrast in small vessels, spleen and kidneys is less bright.
-Mask with_cortex(const Mask& pieces, const Volume<float>& image, std::int64_t least_voxels) {
+Mask with_cortex(const Mask& pieces, const Volume<float>& image, std::int64_t min_voxels) {
   const image::Components parts = image::connected_components(pieces);
   std::vector<std::int64_t> cortical(parts.voxel_count.size(), 0);
   for (std::size_t v = 0; v < pieces.voxels.size(); ++v)
     if (image.voxels[v] > cortical_hu) ++cortical[static_cast<std::size_t>(parts.label.voxels[v])];
   return mask_where(pieces.grid, [&](std::size_t v) {
     const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
-    return label > 0 && parts.voxel_count[label] >= least_voxels &&
+    return label > 0 && parts.voxel_count[label] >= min_voxels &&
            cortical_share * cortical[label] >= parts.voxel_count[label];
   });
 }
@@ -329,7 +329,7 @@ Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& ch
     return bright.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] && !dense.voxels[v];
   });
   const Mask organs = image::unite(find_even_organs(ct, image, rest), dense);
-  const auto least = static_cast<std::int64_t>(least_bone_ml * 1000 / ct.grid.voxel_volume_mm3());
+  const auto least = static_cast<std::int64_t>(min_bone_ml * 1000 / ct.grid.voxel_volume_mm3());
   const Mask shell = with_cortex(image::subtract(rest, organs), image, least);
   // Even marrow counts as an organ, too, but its shell closes around it.
   const Mask solid = image::subtract(image::close(shell, spongy_mm), organs);

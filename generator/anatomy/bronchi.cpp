@@ -11,10 +11,10 @@
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double most_bronchi = 0.4;  // of the wide airways' volume; a lung's visible bronchi hold some 0.1 to 0.2
-constexpr double widest_mm = 3.5;     // radius of a bronchus that the wide airways may lack
-constexpr double speckle_mm = 1.5;    // gaps in a leak, whose voxels are dark by noise alone
-constexpr double near_mm = 3;         // beside the wide airways nothing tells a leak from their own rim
+constexpr double max_bronchi = 0.4;  // of the wide airways' volume; a lung's visible bronchi hold some 0.1 to 0.2
+constexpr double widest_mm = 3.5;    // radius of a bronchus that the wide airways may lack
+constexpr double speckle_mm = 1.5;   // gaps in a leak, whose voxels are dark by noise alone
+constexpr double near_mm = 3;        // beside the wide airways nothing tells a leak from their own rim
 constexpr double margin_mm = 8;
 
 /// Voxels of the pieces of `mask` that hold a voxel of `start`.
@@ -30,7 +30,7 @@ Mask joined_to(const Mask& start, const Mask& mask) {
 }
 
 bool leaks(const Mask& tree_all, const Mask& airways_all) {
-  if (static_cast<double>(image::count(tree_all)) > (1 + most_bronchi) * static_cast<double>(image::count(airways_all)))
+  if (static_cast<double>(image::count(tree_all)) > (1 + max_bronchi) * static_cast<double>(image::count(airways_all)))
     return true;
   const Vec3& spacing = tree_all.grid.spacing_mm;
   const auto margin = static_cast<std::int64_t>(std::ceil(margin_mm / std::min({spacing.x, spacing.y, spacing.z})));

@@ -43,8 +43,8 @@ constexpr std::array<Artery, 2> arteries = {{{Region::aorta, "aortic"}, {Region:
 /// many splits it takes to part muscle and blood depends on the image; the classes' grey values do not. Beside blood of
 /// low contrast, as in late scans, muscle is more than half as bright.
 double soft_tissue_hu(const pde::SegmentationTree& tree, double blood_hu) {
-  constexpr double enhanced_hu = 150, least_difference_hu = 40;
-  const double brightest = std::max(blood_hu / 2, std::min(blood_hu - least_difference_hu, enhanced_hu));
+  constexpr double enhanced_hu = 150, min_difference_hu = 40;
+  const double brightest = std::max(blood_hu / 2, std::min(blood_hu - min_difference_hu, enhanced_hu));
   double soft = 0;
   for (const auto& step : tree)
     for (const double grey : {step.c_below, step.c_above})
@@ -70,9 +70,9 @@ Vec3 heart_center(const CtVolume& ct, const Landmarks& landmarks) {
 /// Half the side of the box that the heart is searched in. It must hold large hearts too, whose apex lies far from the
 /// chambers' centre, and the front of the right ventricle nearly as far.
 double search_radius_mm(const Vec3& center, const Landmarks& landmarks, const ChamberSettings& settings) {
-  constexpr double of_apex = 0.9, most_mm = 130;
+  constexpr double of_apex = 0.9, max_mm = 130;
   const double apex_mm = landmarks.lv_apex_mm ? norm(*landmarks.lv_apex_mm - center) : 0;
-  return std::max(settings.heart_radius_mm, std::min(of_apex * apex_mm, most_mm));
+  return std::max(settings.heart_radius_mm, std::min(of_apex * apex_mm, max_mm));
 }
 
 std::vector<image::Marker> markers_of(const CtVolume& ct, const Mask& blood, const Landmarks& landmarks) {
@@ -154,11 +154,11 @@ void fill_mixing_clouds(LabelVolume& labels, const BloodPool& pool) {
 /// Where muscle is wall, however narrow the notch of the cavity that it lies in: what a right ventricle's wall has at
 /// least (and a voxel) around fat and air, and the plate of the valves around atria and arteries.
 Mask never_papillary(const LabelVolume& labels, const CtVolume& ct, double muscle_hu) {
-  constexpr double usual_fat_hu = -100, least_wall_mm = 2, valve_plate_mm = 3, streak_ml = 5, smoothing_mm = 0.8;
+  constexpr double typical_fat_hu = -100, min_wall_mm = 2, valve_plate_mm = 3, streak_ml = 5, smoothing_mm = 0.8;
   const Volume<float> smooth = image::gaussian(as_float(ct), smoothing_mm);
   Mask fat(labels.grid), others(labels.grid);
   for (std::size_t v = 0; v < fat.voxels.size(); ++v) {
-    fat.voxels[v] = 2 * static_cast<double>(smooth.voxels[v]) < usual_fat_hu + muscle_hu;
+    fat.voxels[v] = 2 * static_cast<double>(smooth.voxels[v]) < typical_fat_hu + muscle_hu;
     const auto label = labels.voxels[v];
     others.voxels[v] = label != 0 && label != tag(Region::lv_blood) && label != tag(Region::rv_blood);
   }
@@ -166,7 +166,7 @@ Mask never_papillary(const LabelVolume& labels, const CtVolume& ct, double muscl
   const double voxel_mm = 1.01 * std::max({spacing.x, spacing.y, spacing.z});
   const auto streak = static_cast<std::int64_t>(streak_ml * 1000 / labels.grid.voxel_volume_mm3());
   fat = image::drop_small_components(fat, streak);  // streaks in the blood are dark too
-  return image::unite(image::dilate(fat, std::max(least_wall_mm, voxel_mm)),
+  return image::unite(image::dilate(fat, std::max(min_wall_mm, voxel_mm)),
                       image::dilate(others, std::max(valve_plate_mm, voxel_mm)));
 }
 

@@ -12,8 +12,8 @@ namespace {
 
 constexpr float lung_limit_hu = -500;     // half-way between lung (-850) and soft tissue
 constexpr float emptiest_lung_hu = -960;  // air of the room, stomach and bowel is mostly below
-constexpr double least_lung_ml = 20;      // smaller pieces are airways and bowel gas
-constexpr double least_lung_mm2 = 1000;   // per slice: the hull of less says little
+constexpr double min_lung_ml = 20;        // smaller pieces are airways and bowel gas
+constexpr double min_lung_mm2 = 1000;     // per slice: the hull of less says little
 constexpr double blurred_pleura_mm = 3;   // between the dark of the lung and the hull around it
 constexpr double chest_wall_mm = 60;      // no thicker
 
@@ -27,7 +27,7 @@ Mask lungs_of(const Volume<float>& smooth_hu) {
   std::vector<std::int64_t> empty(pieces.voxel_count.size(), 0);
   for (std::size_t v = 0; v < dark.voxels.size(); ++v)
     if (smooth_hu.voxels[v] <= emptiest_lung_hu) ++empty[static_cast<std::size_t>(pieces.label.voxels[v])];
-  const auto least = static_cast<std::int64_t>(least_lung_ml * 1000 / smooth_hu.grid.voxel_volume_mm3());
+  const auto least = static_cast<std::int64_t>(min_lung_ml * 1000 / smooth_hu.grid.voxel_volume_mm3());
   for (std::size_t v = 0; v < dark.voxels.size(); ++v) {
     const auto label = static_cast<std::size_t>(pieces.label.voxels[v]);
     dark.voxels[v] = label > 0 && pieces.voxel_count[label] >= least && 2 * empty[label] < pieces.voxel_count[label];
@@ -37,7 +37,7 @@ Mask lungs_of(const Volume<float>& smooth_hu) {
 
 Mask beyond_the_lungs(const Mask& lung) {
   enum : std::uint8_t { outside = 0, lung_side = 1, heart_side = 2 };
-  const Mask hull = image::convex_slices(lung, least_lung_mm2);
+  const Mask hull = image::convex_slices(lung, min_lung_mm2);
   const Volume<float> to_lung = image::distance_to(lung);
   LabelVolume sides(lung.grid);
   for (std::size_t v = 0; v < sides.voxels.size(); ++v)

@@ -45,7 +45,7 @@ Cut cut_band(const HeartBand& heart, const BandInput& band, const EpicardiumSett
   if (!is_free) return {band.inner, 0, 0};
   const Volume<float> weight =
       parallel::run_on_root(comm, [&] { return band_weight(heart.tissue, band, state, settings.edge_hu_per_mm); });
-  const auto cut = pde::minimal_cut(
+  const auto cut = pde::continuous_min_cut(
       weight, state, {.max_iterations = settings.max_iterations, .duality_gap = settings.duality_gap}, comm);
   Cut result{{}, cut.duality_gap, cut.iterations};
   if (comm.is_root()) result.inside = inside_of_cut(cut.u, band);
@@ -94,11 +94,11 @@ BandInput ventricular_band(const HeartBand& heart, const EpicardiumSettings& set
   band.inner = image::unite(lv, rv);
   band.thick = mask_where(heart.owner.grid, [&](std::size_t v) { return is(heart.owner.voxels[v], Region::lv_blood); });
   band.distance_mm = image::distance_to(rv);
-  add_least_wall(band, rv, settings.minimum_rv_wall_mm);
+  add_min_wall(band, rv, settings.minimum_rv_wall_mm);
   const Mask near_rv = within(band.distance_mm, settings.rv_band_mm);
   const Volume<float> to_rv = std::move(band.distance_mm);
   band.distance_mm = image::distance_to(lv);
-  add_least_wall(band, lv, settings.minimum_lv_wall_mm);
+  add_min_wall(band, lv, settings.minimum_lv_wall_mm);
   band.reach = image::unite(near_rv, within(band.distance_mm, settings.ventricle_band_mm));
   for (std::size_t v = 0; v < to_rv.voxels.size(); ++v)
     band.distance_mm.voxels[v] = std::min(band.distance_mm.voxels[v], to_rv.voxels[v]);
@@ -118,7 +118,7 @@ BandInput atrial_band(const HeartBand& heart, const Mask& ventricles, const Epic
   band.distance_mm = image::distance_to(atria);
   band.reach = within(band.distance_mm, settings.atrium_band_mm);
   band.thick = Mask(atria.grid);
-  add_least_wall(band, atria, settings.minimum_atrial_wall_mm);
+  add_min_wall(band, atria, settings.minimum_atrial_wall_mm);
   return band;
 }
 

@@ -24,7 +24,7 @@ constexpr float fat_hu = -90;
 constexpr double edge_smoothing_mm = 1;  // of the image before fat and muscle are told apart
 constexpr double papillary_mm = 6;       // half the width of the gaps in the left ventricle's blood that are closed
 constexpr double sharp_mm = 2.6;         // farther from them it is not
-constexpr double most_evidence = 1;      // nats per mm³: no single voxel decides alone
+constexpr double max_evidence = 1;       // nats per mm³: no single voxel decides alone
 constexpr double unseen_mm = 0.75;       // off the usual thin wall: less cannot be told from noise
 constexpr float far_mm = 40;             // from walls no distance is asked for
 constexpr int sweeps = 200;
@@ -34,7 +34,7 @@ double median_of(std::vector<float>& values, double otherwise) {
 }
 
 /// Distance from the left ventricle's blood at which half as much of a shell lies outside as at its greatest.
-double usual_lv_wall(const Volume<float>& from_lv, const Mask& outside) {
+double typical_lv_wall(const Volume<float>& from_lv, const Mask& outside) {
   constexpr double bin_mm = 0.5, thinnest_mm = 4, thickest_mm = 20, otherwise_mm = 10;
   constexpr auto bins = static_cast<std::size_t>(thickest_mm / bin_mm);
   std::vector<double> all(bins, 0), dark(bins, 0);
@@ -115,16 +115,16 @@ struct WallProfile {
 
 /// The thickness that parts the profile into wall and blood best. Grey values that are not the same everywhere (by
 /// `uneven_hu`) bound what a large shell can say: with hardly any contrast the wall stays near its usual thickness.
-double most_likely_thickness(const WallProfile& profile, const FaintContrast& contrast, double usual_mm) {
+double likeliest_thickness(const WallProfile& profile, const FaintContrast& contrast, double typical_mm) {
   constexpr double deviation_mm = 0.7, uneven_hu = 1.5, alike_mm = 0.5;
   const double uneven = uneven_hu * uneven_hu * alike_mm / WallProfile::bin_mm;
   const double difference = contrast.difference_hu(), middle = contrast.muscle_hu + difference / 2;
-  double best = -std::numeric_limits<double>::infinity(), thickness = usual_mm, beyond = 0;
+  double best = -std::numeric_limits<double>::infinity(), thickness = typical_mm, beyond = 0;
   for (std::size_t n = profile.sum.size(); n-- > 0;) {
     const double volume = profile.volume_mm3[n];
     if (volume > 0)
       beyond += difference * (profile.sum[n] / volume - middle) / (contrast.noise_power / volume + uneven);
-    const double at = static_cast<double>(n) * WallProfile::bin_mm, off = (at - usual_mm) / deviation_mm;
+    const double at = static_cast<double>(n) * WallProfile::bin_mm, off = (at - typical_mm) / deviation_mm;
     if (beyond - off * off / 2 <= best) continue;
     best = beyond - off * off / 2;
     thickness = at;
@@ -182,10 +182,10 @@ Volume<float> solve(const Volume<float>& evidence, const Mask& possible, double 
 }  // namespace
 
 double grey_evidence(float hu, const FaintContrast& contrast) {
-  constexpr double least_power = 1;
+  constexpr double min_power = 1;
   const double difference = contrast.difference_hu(), middle = contrast.muscle_hu + difference / 2;
-  const double evidence = difference * (static_cast<double>(hu) - middle) / std::max(contrast.noise_power, least_power);
-  return std::clamp(evidence, -most_evidence, most_evidence);
+  const double evidence = difference * (static_cast<double>(hu) - middle) / std::max(contrast.noise_power, min_power);
+  return std::clamp(evidence, -max_evidence, max_evidence);
 }
 
 double information(const FaintContrast& contrast) {
@@ -205,17 +205,17 @@ WallDistances measure_walls(const Volume<float>& hu, const Mask& lv, const Mask&
   WallDistances walls{distance_from_negative(tissue), distance_from_mask(cavity), distance_from_mask(other_left)};
   Mask outside(hu.grid);
   for (std::size_t v = 0; v < outside.voxels.size(); ++v) outside.voxels[v] = tissue.voxels[v] < 0;
-  walls.lv_wall_mm = usual_lv_wall(walls.from_lv, outside);
+  walls.lv_wall_mm = typical_lv_wall(walls.from_lv, outside);
   return walls;
 }
 
-WallThickness usual_thickness(const WallDistances& walls) {
+WallThickness prior_thickness(const WallDistances& walls) {
   WallThickness thickness;
   thickness.left_mm = walls.lv_wall_mm;
   return thickness;
 }
 
-Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled, const WallThickness& thickness) {
+Volume<float> prior_cavity(const WallDistances& walls, const Mask& thin_walled, const WallThickness& thickness) {
   Volume<float> inside(thin_walled.grid);
   for (std::size_t v = 0; v < inside.voxels.size(); ++v)
     inside.voxels[v] =
@@ -246,8 +246,8 @@ FaintContrast measure_faint_contrast(const Volume<float>& hu, const WallDistance
   return {muscle_hu, median_of(blood, muscle_hu), noise_power(hu, uniform)};
 }
 
-Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled) {
-  return usual_cavity(walls, thin_walled, usual_thickness(walls));
+Volume<float> prior_cavity(const WallDistances& walls, const Mask& thin_walled) {
+  return prior_cavity(walls, thin_walled, prior_thickness(walls));
 }
 
 WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,
@@ -255,8 +255,8 @@ WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& wa
   constexpr double band_mm = 3, alone_mm = 5;
   const Mask near = image::dilate(compartment, blood_reach_mm);
   WallProfile free, left;
-  const auto add = [&](WallProfile& profile, double distance_mm, double usual_mm, std::size_t v) {
-    if (distance_mm < blurred_mm || std::abs(distance_mm - usual_mm) > band_mm) return;
+  const auto add = [&](WallProfile& profile, double distance_mm, double typical_mm, std::size_t v) {
+    if (distance_mm < blurred_mm || std::abs(distance_mm - typical_mm) > band_mm) return;
     profile.add(distance_mm, static_cast<double>(hu.voxels[v]), hu.grid.voxel_volume_mm3());
   };
   for (std::size_t v = 0; v < hu.voxels.size(); ++v) {
@@ -269,15 +269,15 @@ WallThickness measure_thickness(const Volume<float>& hu, const WallDistances& wa
       add(left, from_lv, usual.left_mm, v);
   }
   WallThickness thickness = usual;
-  thickness.free_mm = most_likely_thickness(free, contrast, usual.free_mm);
-  thickness.left_mm = most_likely_thickness(left, contrast, usual.left_mm);
+  thickness.free_mm = likeliest_thickness(free, contrast, usual.free_mm);
+  thickness.left_mm = likeliest_thickness(left, contrast, usual.left_mm);
   return thickness;
 }
 
 Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
                           const Mask& compartment, const FaintContrast& contrast, const AnatomyTrust& measured_trust,
                           const Mask& measured) {
-  constexpr double least_septum_mm = 3;
+  constexpr double min_septum_mm = 3;
   const double speaks = information(contrast), cost = contour_cost(speaks);
   const Mask near = image::dilate(compartment, blood_reach_mm);
   const Volume<float> parallels = divergence_of_normals(space);
@@ -286,7 +286,7 @@ Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, c
   for (std::size_t v = 0; v < hu.voxels.size(); ++v) {
     const auto off_edges = static_cast<double>(std::min(walls.from_outside.voxels[v], walls.from_other_left.voxels[v]));
     possible.voxels[v] =
-        near.voxels[v] && off_edges > blurred_mm && static_cast<double>(walls.from_lv.voxels[v]) > least_septum_mm;
+        near.voxels[v] && off_edges > blurred_mm && static_cast<double>(walls.from_lv.voxels[v]) > min_septum_mm;
     const AnatomyTrust trust = measured.voxels.empty() || measured.voxels[v] ? measured_trust : AnatomyTrust{};
     const double unmixed = std::clamp((off_edges - blurred_mm) / (sharp_mm - blurred_mm), 0.0, 1.0);
     const double usual = std::clamp(static_cast<double>(space.voxels[v]) / trust.slack_mm, -1.0, 1.0);
@@ -294,7 +294,7 @@ Volume<float> faint_blood(const Volume<float>& hu, const WallDistances& walls, c
                        (usual > 0 ? trust.cavity_weight : trust.wall_weight) * usual -
                        cost * static_cast<double>(parallels.voxels[v]);
     evidence.voxels[v] =
-        static_cast<float>(possible.voxels[v] ? std::clamp(sum, -most_evidence, most_evidence) : -most_evidence);
+        static_cast<float>(possible.voxels[v] ? std::clamp(sum, -max_evidence, max_evidence) : -max_evidence);
   }
   Volume<float> blood = solve(evidence, possible, cost);
   // The same height on both sides of the contour, so that its interpolation lies half-way between two voxels.

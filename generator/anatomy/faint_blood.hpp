@@ -42,14 +42,14 @@ struct WallThickness {
 };
 
 /// Usual thicknesses, the left ventricle's as measured where fat or lung is behind.
-WallThickness usual_thickness(const WallDistances& walls);
+WallThickness prior_thickness(const WallDistances& walls);
 
 /// How far every voxel lies inside the space that such walls leave to the right heart's blood, mm; negative in the
 /// walls. `thin_walled`: atrium and arteries rather than ventricle.
-Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled, const WallThickness& thickness);
+Volume<float> prior_cavity(const WallDistances& walls, const Mask& thin_walled, const WallThickness& thickness);
 
 /// The same for walls of usual thickness.
-Volume<float> usual_cavity(const WallDistances& walls, const Mask& thin_walled);
+Volume<float> prior_cavity(const WallDistances& walls, const Mask& thin_walled);
 
 /// Grey values of a faint pool.
 struct FaintContrast {
@@ -59,7 +59,7 @@ struct FaintContrast {
   double difference_hu() const { return blood_hu - muscle_hu; }
 };
 
-/// Muscle in the middle of the left ventricle's wall, blood deep inside `space` (usual_cavity) within the compartment.
+/// Muscle in the middle of the left ventricle's wall, blood deep inside `space` (prior_cavity) within the compartment.
 FaintContrast measure_faint_contrast(const Volume<float>& hu, const WallDistances& walls, const Volume<float>& space,
                                      const Mask& compartment);
 

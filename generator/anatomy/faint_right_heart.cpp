@@ -185,15 +185,15 @@ RightHeartBlood faint_right_heart(const CtVolume& ct, const Landmarks& landmarks
   const Scene scene = make_scene(ct, landmarks, left_threshold_hu);
   const Grid& grid = scene.hu.grid;
   const auto walls = measure_walls(scene.hu, scene.lv, scene.other_left, muscle_hu);
-  const WallThickness usual = usual_thickness(walls);
-  const auto parts = usual_right_heart(usual_cavity(walls, Mask(grid, 1), usual), scene, landmarks);
+  const WallThickness usual = prior_thickness(walls);
+  const auto parts = usual_right_heart(prior_cavity(walls, Mask(grid, 1), usual), scene, landmarks);
   const LabelVolume nearest = image::nearest_label(parts, everywhere_mm);
   const Mask thin = mask_where(grid, [&](std::size_t v) { return nearest.voxels[v] != tag(Region::rv_blood); });
-  Volume<float> space = usual_cavity(walls, thin, usual);
+  Volume<float> space = prior_cavity(walls, thin, usual);
   const Mask compartment = mask_where(grid, [&](std::size_t v) { return parts.voxels[v] != 0; });
   FaintContrast contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
   const WallThickness thickness = measure_thickness(scene.hu, walls, thin, compartment, usual, contrast);
-  space = usual_cavity(walls, thin, thickness);
+  space = prior_cavity(walls, thin, thickness);
   contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
   space = measured_cavity(scene.hu, walls, thin, compartment, thickness, contrast, long_axis(grid, landmarks));
   if (const auto valve = landmarks.valves.find("tricuspid"); valve != landmarks.valves.end()) {

@@ -16,10 +16,10 @@ Volume<float> as_float(const CtVolume& ct) {
 
 void require_hounsfield(const CtVolume& ct, const std::string& where) {
   constexpr int darker_than_water_hu = -30;  // fat begins here
-  constexpr double least_share = 1e-3;
+  constexpr double min_share = 1e-3;
   const auto dark =
       std::count_if(ct.voxels.begin(), ct.voxels.end(), [](std::int16_t hu) { return hu < darker_than_water_hu; });
-  if (static_cast<double>(dark) >= least_share * static_cast<double>(ct.voxels.size())) return;
+  if (static_cast<double>(dark) >= min_share * static_cast<double>(ct.voxels.size())) return;
   if (ct.voxels.empty()) return;
   const auto [least, most] = std::minmax_element(ct.voxels.begin(), ct.voxels.end());
   constexpr int soft_tissue_hu = 200;  // an image of nothing brighter may well be in Hounsfield units,

@@ -27,12 +27,12 @@ constexpr double maximum_ml = 2800;  // more is a leak into other soft tissue
 constexpr double smallest_opening_mm = 3, largest_opening_mm = 12;
 constexpr double vessel_mm = 3;  // vessels inside the liver are brighter; they belong to it
 
-constexpr float least_soft_hu = 20, most_soft_hu = 220;  // of a liver, with or without contrast
-constexpr double under_lung_mm = 80;                     // the thickest place is looked for this far below the lung
-constexpr double least_depth_mm = 18;                    // from there to the liver's surface
-constexpr double least_ml = 50;                          // of the part that the field of view holds
-constexpr double least_right_share = 0.7;                // of the liver lies right of the lungs' middle
-constexpr double most_spread_hu = 25;                    // between the quartiles of the smoothed image
+constexpr float min_soft_hu = 20, max_soft_hu = 220;  // of a liver, with or without contrast
+constexpr double under_lung_mm = 80;                  // the thickest place is looked for this far below the lung
+constexpr double min_depth_mm = 18;                   // from there to the liver's surface
+constexpr double min_ml = 50;                         // of the part that the field of view holds
+constexpr double min_right_share = 0.7;               // of the liver lies right of the lungs' middle
+constexpr double max_spread_hu = 25;                  // between the quartiles of the smoothed image
 
 Volume<float> smoothed(const CtVolume& ct) {
   Volume<float> image(ct.grid);
@@ -90,7 +90,7 @@ std::optional<Index3> deepest(const Mask& soft, const Mask& among) {
   Mask outside(soft.grid);
   for (std::size_t v = 0; v < outside.voxels.size(); ++v) outside.voxels[v] = !soft.voxels[v];
   const auto depth = image::distance_to(outside, 1e3F);
-  float most = least_depth_mm;
+  float most = min_depth_mm;
   std::optional<Index3> place;
   const auto& size = soft.grid.size;
   for (std::int64_t k = 0; k < size[2]; ++k)
@@ -122,10 +122,10 @@ bool is_plausible(const Mask& liver, const Volume<float>& image, std::int64_t mi
     greys.push_back(image.voxels[v]);
     right += static_cast<std::int64_t>(v) % liver.grid.size[0] < middle;
   }
-  if (static_cast<double>(greys.size()) * liver.grid.voxel_volume_mm3() < least_ml * 1000) return false;
+  if (static_cast<double>(greys.size()) * liver.grid.voxel_volume_mm3() < min_ml * 1000) return false;
   const auto quartile = [&](std::size_t n) { return static_cast<double>(ranked(greys, n * greys.size() / 4)); };
-  return static_cast<double>(right) > least_right_share * static_cast<double>(greys.size()) &&
-         quartile(3) - quartile(1) < most_spread_hu;
+  return static_cast<double>(right) > min_right_share * static_cast<double>(greys.size()) &&
+         quartile(3) - quartile(1) < max_spread_hu;
 }
 
 }  // namespace
@@ -148,7 +148,7 @@ Mask find_liver(const CtVolume& ct_all, const Mask& lung_all, const Mask& free_a
   const Volume<float> image = smoothed(ct);
   Mask soft(ct.grid);
   for (std::size_t v = 0; v < soft.voxels.size(); ++v)
-    soft.voxels[v] = free.voxels[v] && image.voxels[v] > least_soft_hu && image.voxels[v] < most_soft_hu;
+    soft.voxels[v] = free.voxels[v] && image.voxels[v] > min_soft_hu && image.voxels[v] < max_soft_hu;
   const std::int64_t middle = middle_of(lung_all) - box.begin[0];
   const auto seed = deepest(soft, soft_under_lung(lung, soft, middle));
   if (!seed) return Mask(ct_all.grid);

@@ -17,12 +17,12 @@ namespace {
 // but that is one nat, and one mirrored image tells of the rarest rods of the other no better than to within two.
 constexpr double usual_chance_nats = 10;
 constexpr double beyond_chance = 1.3;  // times that: one in ten to twenty images of noise
-constexpr double most_of_muscle = 3;
-constexpr double most_evidence = 1;                    // nats per mm³ of a grey value (grey_evidence)
+constexpr double bulk_of_muscle = 3;
+constexpr double max_evidence = 1;                     // nats per mm³ of a grey value (grey_evidence)
 constexpr double across_mm = 1.5, half_length_mm = 6;  // of the lines that give the first guess
 constexpr double first_radius_mm = 2.5;
 constexpr double thinnest_mm = 1.5, thickest_mm = 5, longest_mm = 40;  // radius, radius, distance of the ends
-constexpr std::size_t most_guesses = 60;
+constexpr std::size_t max_guesses = 60;
 constexpr double blur_mm = 0.8;  // standard deviation: the scanner's, and that of the working grid
 
 double distance_mm(const MuscleBundle& bundle, const Vec3& p) {
@@ -182,7 +182,7 @@ std::vector<MuscleBundle> first_guesses(const Volume<float>& evidence) {
         if (sums.greatest(i, j, k) > 0 && is_peak(sums.greatest, {i, j, k}))
           peaks.push_back({-sums.greatest(i, j, k), {i, j, k}});
   std::sort(peaks.begin(), peaks.end());
-  if (peaks.size() > most_guesses) peaks.resize(most_guesses);
+  if (peaks.size() > max_guesses) peaks.resize(max_guesses);
   std::vector<MuscleBundle> guesses;
   for (const auto& [sum, at] : peaks) {
     const Vec3 middle = grid.spacing_mm.x * to_vec(at);
@@ -221,10 +221,10 @@ bool allowed(const MuscleBundle& bundle) {
 
 /// The best bundle that changes lead to; large ones first, which noise along the way does not stop.
 MuscleBundle refine(const Evidence& evidence, MuscleBundle bundle) {
-  constexpr int most_changes = 12;
+  constexpr int max_changes = 12;
   bundle.nats = weigh(evidence, bundle).nats;
   for (const double step_mm : {8.0, 4.0, 2.0, 1.0, 0.5})
-    for (int n = 0; n < most_changes; ++n) {
+    for (int n = 0; n < max_changes; ++n) {
       MuscleBundle best = bundle;
       for (MuscleBundle& other : changes(bundle, step_mm)) {
         if (!allowed(other)) continue;
@@ -280,7 +280,7 @@ std::vector<MuscleBundle> surest(const Evidence& evidence, const std::optional<M
     if (taken && best->nats >= least && best->nats < bundle.nats) continue;
     guesses.erase(best);
     if (taken || bundle.nats < least || !is_held(bundle, anchors)) continue;
-    if (weight.nats <= most_of_muscle * evidence.muscle * weight.volume_mm3) found.push_back(bundle);
+    if (weight.nats <= bulk_of_muscle * evidence.muscle * weight.volume_mm3) found.push_back(bundle);
     clear(bundle, left.nats);
   }
   return found;
@@ -298,7 +298,7 @@ Evidence mirrored(Evidence evidence) {
 
 std::vector<MuscleBundle> find_muscle_bundles(const Volume<float>& evidence, double muscle_evidence,
                                               const std::optional<MuscleAnchors>& anchors) {
-  const Evidence seen{evidence, std::min(muscle_evidence, most_evidence)};
+  const Evidence seen{evidence, std::min(muscle_evidence, max_evidence)};
   const auto chance = surest(mirrored(seen), anchors, usual_chance_nats);
   return surest(seen, anchors, beyond_chance * (chance.empty() ? usual_chance_nats : chance.front().nats));
 }

@@ -9,9 +9,9 @@
 namespace heartgen::anatomy {
 namespace {
 
-constexpr int most_hu = -500;
+constexpr int max_hu = -500;
 constexpr double thickness_mm = 12;  // the body is looked for where tissue is thicker than 8
-constexpr std::int64_t least_voxels = 2;
+constexpr std::int64_t min_voxels = 2;
 
 /// An image as columns along one axis: column (i, j) of the plane, slice by slice.
 struct Columns {
@@ -39,7 +39,7 @@ Columns columns_along(const Grid& grid, std::size_t axis) {
 }
 
 std::int64_t reach_of(double spacing_mm) {
-  return std::max<std::int64_t>(least_voxels, std::llround(thickness_mm / spacing_mm));
+  return std::max<std::int64_t>(min_voxels, std::llround(thickness_mm / spacing_mm));
 }
 
 /// Where an image holds nothing but one value.
@@ -77,17 +77,17 @@ std::vector<std::int64_t> rim_of(const Columns& columns, const std::vector<std::
 struct Border {
   std::int64_t lung = 0, even = 0, all = 0;
   void add(int hu, int value) {
-    constexpr int least_lung_hu = -980, most_lung_hu = -600;
-    lung += hu > least_lung_hu && hu < most_lung_hu && hu != value;
+    constexpr int min_lung_hu = -980, max_lung_hu = -600;
+    lung += hu > min_lung_hu && hu < max_lung_hu && hu != value;
     even += hu == value;
     ++all;
   }
   /// Whether lungs end there, as a field of view cuts them. Around a body that was cut out of its air the border is
   /// that of all slices together, and most of it is empty.
   bool cuts_lungs() const {
-    constexpr double least_lung = 0.03, most_even = 0.5;
-    return static_cast<double>(lung) > least_lung * static_cast<double>(all) &&
-           static_cast<double>(even) < most_even * static_cast<double>(all);
+    constexpr double min_lung = 0.03, max_even = 0.5;
+    return static_cast<double>(lung) > min_lung * static_cast<double>(all) &&
+           static_cast<double>(even) < max_even * static_cast<double>(all);
   }
 };
 
@@ -171,7 +171,7 @@ Padding find_padding(const CtVolume& ct) {
   if (ct.voxels.empty()) return {};
   for (const auto value : {ct.voxels.front(), ct.voxels.back()})
     for (const std::size_t axis : {2U, 1U, 0U}) {
-      if (value > most_hu) continue;
+      if (value > max_hu) continue;
       if (auto padding = padding_along(ct, axis, value); padding.is_there()) return padding;
     }
   return {};

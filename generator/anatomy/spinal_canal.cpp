@@ -14,12 +14,12 @@ namespace heartgen::anatomy {
 namespace {
 
 constexpr double place_mm = 2;            // between the places tried for the canal's line
-constexpr double least_radius_mm = 3;     // the canal is wider; the ways of veins and nerves out of it are narrower
+constexpr double min_radius_mm = 3;       // the canal is wider; the ways of veins and nerves out of it are narrower
 constexpr double reach_mm = 20;           // bone around the canal is nearer to its line
 constexpr int directions = 16;            // in which bone is looked for, in the slice
-constexpr int least_hits = 10;            // met in so many of them; fewer only between two arches
+constexpr int min_hits = 10;              // met in so many of them; fewer only between two arches
 constexpr int blocked = -3 * directions;  // bone on the way: an end plate outweighs the marrow on one side of it
-constexpr double least_length_mm = 50;    // two vertebrae, so that one level between them is passed
+constexpr double min_length_mm = 50;      // two vertebrae, so that one level between them is passed
 
 /// Every so many voxels a place.
 struct Lattice {
@@ -74,7 +74,7 @@ std::vector<int> score_places(const Lattice& lattice, const Mask& wide, const Ma
           const Index3 v = lattice.voxel(i, j, k);
           const Vec3 index{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
           if (wide(v[0], v[1], v[2]) && lps_from_index(wall.grid, index).y > front_mm)
-            score[lattice.offset(i, j, k)] = wall_hits(wall, v, rays) - least_hits;
+            score[lattice.offset(i, j, k)] = wall_hits(wall, v, rays) - min_hits;
         }
   });
   return score;
@@ -125,10 +125,10 @@ void mark_section(const Mask& core, const Index3& centre, std::int64_t k, Mask& 
     canal(p[0], p[1], k) = 1;
     front.push_back(p);
   };
-  const auto near_i = static_cast<std::int64_t>(least_radius_mm / core.grid.spacing_mm.x);
-  const auto near_j = static_cast<std::int64_t>(least_radius_mm / core.grid.spacing_mm.y);
+  const auto near_i = static_cast<std::int64_t>(min_radius_mm / core.grid.spacing_mm.x);
+  const auto near_j = static_cast<std::int64_t>(min_radius_mm / core.grid.spacing_mm.y);
   for (std::int64_t j = centre[1] - near_j; j <= centre[1] + near_j; ++j)
-    for (std::int64_t i = centre[0] - near_i; i <= centre[0] + near_i; ++i) visit({i, j}, least_radius_mm);
+    for (std::int64_t i = centre[0] - near_i; i <= centre[0] + near_i; ++i) visit({i, j}, min_radius_mm);
   while (!front.empty()) {
     const auto [i, j] = front.back();
     front.pop_back();
@@ -143,12 +143,12 @@ Mask find_spinal_canal(const Mask& filled, const Mask& wall, double front_mm) {
   const Grid& grid = filled.grid;
   Mask free(grid);
   for (std::size_t v = 0; v < free.voxels.size(); ++v) free.voxels[v] = wall.voxels[v] == 0;
-  const Mask wide = image::erode(free, least_radius_mm);
+  const Mask wide = image::erode(free, min_radius_mm);
   const Lattice lattice(grid);
   const auto way = best_way(lattice, grid, score_places(lattice, wide, wall, front_mm));
   Mask canal(grid);
   const double length_mm = static_cast<double>(way.size()) * static_cast<double>(lattice.stride[2]) * grid.spacing_mm.z;
-  if (length_mm < least_length_mm) return canal;
+  if (length_mm < min_length_mm) return canal;
   const Mask core = image::intersect(filled, wide);
   for (const Index3& place : way) {
     const std::int64_t first = place[2] - lattice.stride[2] / 2;
@@ -156,7 +156,7 @@ Mask find_spinal_canal(const Mask& filled, const Mask& wall, double front_mm) {
       mark_section(core, place, k, canal);
   }
   const double rim_mm = std::max(grid.spacing_mm.x, grid.spacing_mm.y);
-  return image::intersect(image::dilate(canal, least_radius_mm + rim_mm), filled);
+  return image::intersect(image::dilate(canal, min_radius_mm + rim_mm), filled);
 }
 
 }  // namespace heartgen::anatomy

@@ -24,13 +24,13 @@ namespace {
 
 constexpr int lumen_hu = -700;           // a trachea's disc is darker than this
 constexpr double volume_limit_ml = 120;  // trachea and bronchi have 30 to 80: more is a leak into the lungs
-constexpr double least_chain_mm = 20;    // a trachea runs at least this far through the slices
-constexpr double least_contrast_hu = 50, least_lung_ml = 1;  // lung beside the airways, if there is any
-constexpr double lumen_radius_mm = 3;                        // ball inside the lumen whose median is its grey value
-constexpr double curvature_mm = 1;     // tubes in the lung with radii below twice this are left to it
-constexpr double smoothing_mm = 1;     // of the image that outlines where the contour is looked for
-constexpr double margin_mm = 4;        // around that outline
-constexpr double wall_reach_mm = 2.5;  // from the lumen to the crest of its wall
+constexpr double min_chain_mm = 20;      // a trachea runs at least this far through the slices
+constexpr double min_contrast_hu = 50, min_lung_ml = 1;  // lung beside the airways, if there is any
+constexpr double lumen_radius_mm = 3;                    // ball inside the lumen whose median is its grey value
+constexpr double curvature_mm = 1;                       // tubes in the lung with radii below twice this are left to it
+constexpr double smoothing_mm = 1;                       // of the image that outlines where the contour is looked for
+constexpr double margin_mm = 4;                          // around that outline
+constexpr double wall_reach_mm = 2.5;                    // from the lumen to the crest of its wall
 
 struct Disc {
   double x = 0, y = 0;  // centroid, mm along the grid's axes
@@ -107,7 +107,7 @@ std::optional<Index3> find_trachea(const CtVolume& ct, std::int64_t lowest_slice
     }
   const auto longest =
       std::max_element(chains.begin(), chains.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  if (longest == chains.end() || static_cast<double>(longest->size()) * ct.grid.spacing_mm.z < least_chain_mm)
+  if (longest == chains.end() || static_cast<double>(longest->size()) * ct.grid.spacing_mm.z < min_chain_mm)
     return std::nullopt;
   const Disc& middle = (*longest)[longest->size() / 2];
   return Index3{std::lround(middle.x / ct.grid.spacing_mm.x), std::lround(middle.y / ct.grid.spacing_mm.y),
@@ -136,9 +136,9 @@ std::optional<double> lung_grey(const CtVolume& ct, const Mask& air, const Volum
   const Vec3& spacing = ct.grid.spacing_mm;
   const Mask deep = image::erode(air, 1.5 * std::max({spacing.x, spacing.y, spacing.z}));
   const Mask brighter = mask_where(ct.grid, [&](std::size_t v) {
-    return deep.voxels[v] && static_cast<double>(smooth.voxels[v]) > lumen_grey + least_contrast_hu;
+    return deep.voxels[v] && static_cast<double>(smooth.voxels[v]) > lumen_grey + min_contrast_hu;
   });
-  if (static_cast<double>(image::count(brighter)) * ct.grid.voxel_volume_mm3() < least_lung_ml * 1000)
+  if (static_cast<double>(image::count(brighter)) * ct.grid.voxel_volume_mm3() < min_lung_ml * 1000)
     return std::nullopt;
   return median_of(ct, brighter);
 }

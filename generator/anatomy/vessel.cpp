@@ -19,7 +19,7 @@ namespace {
 
 constexpr double lumen_radius_mm = 1.5;  // ball inside the lumen
 constexpr double around_mm = 15;         // ball whose median is taken for the surroundings
-constexpr double least_contrast_hu = 50;
+constexpr double min_contrast_hu = 50;
 constexpr double edge_reach_mm = 1.5;  // the edge is looked for this far on both sides of the threshold's surface
 constexpr double same_vessel_mm = 4;   // grey values of the edge are averaged with this standard deviation
 
@@ -134,7 +134,7 @@ VesselThreshold threshold_vessel(const CtVolume& angiogram, const Vec3& seed_mm,
   VesselThreshold result;
   result.lumen_hu = median_around(angiogram, seed_mm, lumen_radius_mm);
   result.around_hu = median_around(angiogram, seed_mm, around_mm);
-  if (result.lumen_hu < result.around_hu + least_contrast_hu)
+  if (result.lumen_hu < result.around_hu + min_contrast_hu)
     throw UserError(fmt::format("the seed is not in a vessel: {:.0f} HU there, {:.0f} HU around it", result.lumen_hu,
                                 result.around_hu),
                     place(seed_mm), "move the seed into the lumen, or use an angiogram with contrast agent");

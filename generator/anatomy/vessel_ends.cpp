@@ -51,7 +51,7 @@ struct Piece {
 };
 
 /// The pieces of a mask of at least that volume.
-std::vector<Piece> pieces_of(const Mask& mask, double least_mm3) {
+std::vector<Piece> pieces_of(const Mask& mask, double min_mm3) {
   const image::Components components = image::connected_components(mask);
   std::vector<Piece> pieces(components.voxel_count.size());
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
@@ -62,7 +62,7 @@ std::vector<Piece> pieces_of(const Mask& mask, double least_mm3) {
     pieces[n] = {pieces[n].centroid / voxels, voxels * mask.grid.voxel_volume_mm3()};
   }
   pieces.erase(pieces.begin());
-  std::erase_if(pieces, [&](const Piece& piece) { return piece.volume_mm3 < least_mm3; });
+  std::erase_if(pieces, [&](const Piece& piece) { return piece.volume_mm3 < min_mm3; });
   return pieces;
 }
 
@@ -107,11 +107,11 @@ Mask piece_with(const Mask& whole, const Mask& part) {
 
 /// What lies at heights within 2 mm of `z_mm` and is no thin vessel.
 std::vector<Piece> pieces_at(const Mask& region, double z_mm) {
-  constexpr double least_mm2 = 80;
+  constexpr double min_mm2 = 80;
   Mask slab = region;
   for (std::size_t v = 0; v < slab.voxels.size(); ++v)
     if (std::abs(position(region.grid, v).z - z_mm) > shell_mm / 2) slab.voxels[v] = 0;
-  return pieces_of(slab, least_mm2 * shell_mm);
+  return pieces_of(slab, min_mm2 * shell_mm);
 }
 
 /// Where the atrium's wide part lies.
@@ -143,15 +143,15 @@ Core measure_core(const Mask& core) {
 /// the atrium. Nothing where it cannot be followed far enough, or widens or turns away beyond, or is not above or below
 /// the atrium: other tissue that was taken for blood, as far as the spine.
 std::optional<End> cava_at(const Mask& atrium, const Core& core, double z_mm, double way) {
-  constexpr double most_wider = 1.5, least_along = 0.7, beside_mm = 10;
+  constexpr double max_wider = 1.5, min_along = 0.7, beside_mm = 10;
   const auto here = pieces_at(atrium, z_mm), beyond = pieces_at(atrium, z_mm + way * lever_mm);
   if (here.empty() || beyond.empty()) return std::nullopt;
   const Piece& first = nearest(here, core.middle_mm);
   const Piece& second = nearest(beyond, first.centroid);
   if (level_distance(first.centroid, core.middle_mm) > core.reach_mm + beside_mm) return std::nullopt;
-  if (second.volume_mm3 > most_wider * first.volume_mm3) return std::nullopt;
+  if (second.volume_mm3 > max_wider * first.volume_mm3) return std::nullopt;
   const Vec3 axis = normalized(second.centroid - first.centroid);
-  return way * axis.z > least_along ? std::optional(End{first.centroid, axis}) : std::nullopt;
+  return way * axis.z > min_along ? std::optional(End{first.centroid, axis}) : std::nullopt;
 }
 
 /// A vena cava's end, and its radius.
@@ -205,8 +205,8 @@ void cut_level(double height_mm, double way, Mask& atrium) {
 
 Mask cut_artery(const Mask& artery, const Mask& start, double length_mm) {
   const auto way = image::geodesic_distance(artery, start, length_mm + lever_mm);
-  constexpr double least_mm3 = 50;
-  const auto ends = pieces_of(shell(way, length_mm - shell_mm / 2, length_mm + shell_mm / 2), least_mm3);
+  constexpr double min_mm3 = 50;
+  const auto ends = pieces_of(shell(way, length_mm - shell_mm / 2, length_mm + shell_mm / 2), min_mm3);
   const auto before =
       pieces_of(shell(way, length_mm - shell_mm / 2 - lever_mm, length_mm + shell_mm / 2 - lever_mm), 0);
   Mask result(artery.grid);

@@ -13,7 +13,7 @@
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double least_weight = 0.5;           // of an edge inside the tissue, where nothing says it is the heart's
+constexpr double min_weight = 0.5;             // of an edge inside the tissue, where nothing says it is the heart's
 constexpr float free_end = 0.2F;               // weight between the wall and what is surely outside
 constexpr std::int64_t island_fraction = 100;  // smaller pieces are no heart; the atria may be two pieces
 constexpr double thin_mm = 1;                  // half the width of what is no wall, voxels permitting
@@ -98,14 +98,14 @@ Vec3 gradient(const Volume<float>& image, const Index3& at) {
   return result;
 }
 
-void add_least_wall(BandInput& band, const Mask& cavity, double least_mm) {
+void add_min_wall(BandInput& band, const Mask& cavity, double min_mm) {
   const auto& size = cavity.grid.size;
   std::size_t v = 0;
   for (std::int64_t k = 0; k < size[2]; ++k)
     for (std::int64_t j = 0; j < size[1]; ++j)
       for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
         if (band.forbidden.voxels[v]) continue;
-        if (static_cast<double>(band.distance_mm.voxels[v]) <= least_mm || touches(cavity, {i, j, k}))
+        if (static_cast<double>(band.distance_mm.voxels[v]) <= min_mm || touches(cavity, {i, j, k}))
           band.inner.voxels[v] = 1;
       }
 }
@@ -140,7 +140,7 @@ Volume<float> band_weight(const Volume<float>& tissue, const BandInput& band, co
           const double outward = -dot(fall, normalized(gradient(band.distance_mm, {i, j, k})));
           const double edge = std::max(outward, 0.0) / edge_hu_per_mm;
           const double scale = band.thick(i, j, k) ? area[area_bin(band.distance_mm(i, j, k))] : 1;
-          weight(i, j, k) = static_cast<float>(scale * std::max(1 / (1 + edge * edge), least_weight));
+          weight(i, j, k) = static_cast<float>(scale * std::max(1 / (1 + edge * edge), min_weight));
         }
   });
   return weight;

@@ -18,9 +18,9 @@ struct BandInput {
 /// Central differences (per mm, along the grid's axes), one-sided at the border.
 Vec3 gradient(const Volume<float>& image, const Index3& at);
 
-/// Adds to `band.inner` the least wall: voxels within `least_mm` of the cavity and, where slices are thicker than that,
+/// Adds to `band.inner` the least wall: voxels within `min_mm` of the cavity and, where slices are thicker than that,
 /// the voxels that touch it, unless they are forbidden.
-void add_least_wall(BandInput& band, const Mask& cavity, double least_mm);
+void add_min_wall(BandInput& band, const Mask& cavity, double min_mm);
 
 /// cut_inner, cut_outer or cut_free for every voxel.
 Mask band_state(const BandInput& band);

@@ -16,13 +16,13 @@ namespace {
 
 constexpr double vessel_radius_mm = 2.5;   // unlabelled blood thicker than this is a vein or artery, not a coronary
 constexpr double vessel_fraction = 0.35;   // of the contrast between muscle and the chamber: blood, if less enhanced
-constexpr double least_vessel_hu = 20;     // above muscle
+constexpr double min_vessel_hu = 20;       // above muscle
 constexpr double artery_wall_mm = 2;       // of the aorta and the pulmonary artery
 constexpr double foreign_artery_mm = 3;    // arteries get only what is so much nearer to them, away from their valve
 constexpr double valve_plate_mm = 3;       // the muscle that carries the valves belongs to the ventricle
 constexpr double smoothing_mm = 0.8;       // of the tissue
 constexpr double vessel_smoothing_mm = 1;  // against noise, for vessels
-constexpr double usual_fat_hu = -100;
+constexpr double typical_fat_hu = -100;
 constexpr int lightest_fat_hu = -30, darkest_fat_hu = -160;
 
 constexpr std::array<Region, 4> chamber_regions = {Region::lv_blood, Region::rv_blood, Region::la_blood,
@@ -56,7 +56,7 @@ double measured_muscle_hu(const CtVolume& ct, const LabelVolume& chambers, doubl
 }
 
 double measured_fat_hu(const CtVolume& ct) {
-  return median_where(ct, usual_fat_hu,
+  return median_where(ct, typical_fat_hu,
                       [&](std::size_t v) { return ct.voxels[v] > darkest_fat_hu && ct.voxels[v] < lightest_fat_hu; });
 }
 
@@ -103,18 +103,18 @@ void find_owners(HeartBand& heart) {
 }
 
 Mask find_other_blood(const CtVolume& ct, const HeartBand& heart, double muscle_hu) {
-  std::array<double, 256> least_hu{};
+  std::array<double, 256> min_hu{};
   for (const Region region : chamber_regions) {
     const double blood =
         median_where(ct, muscle_hu, [&](std::size_t v) { return is(heart.chambers.voxels[v], region); });
-    least_hu[tag(region)] = muscle_hu + std::max(vessel_fraction * (blood - muscle_hu), least_vessel_hu);
+    min_hu[tag(region)] = muscle_hu + std::max(vessel_fraction * (blood - muscle_hu), min_vessel_hu);
   }
-  least_hu[0] = least_hu[tag(Region::lv_blood)];
+  min_hu[0] = min_hu[tag(Region::lv_blood)];
   Volume<float> smooth(ct.grid);
   std::copy(ct.voxels.begin(), ct.voxels.end(), smooth.voxels.begin());
   smooth = image::gaussian(smooth, vessel_smoothing_mm);
   const Mask bright = mask_where(ct.grid, [&](std::size_t v) {
-    return heart.chambers.voxels[v] == 0 && static_cast<double>(smooth.voxels[v]) > least_hu[heart.owner.voxels[v]];
+    return heart.chambers.voxels[v] == 0 && static_cast<double>(smooth.voxels[v]) > min_hu[heart.owner.voxels[v]];
   });
   return image::open(bright, vessel_radius_mm);
 }

@@ -27,7 +27,7 @@ Volume<float> local_thickness(const Volume<float>& hu, const Volume<float>& dist
 Volume<float> local_middle(const Volume<float>& hu, const Volume<float>& distance_mm, double wall_mm,
                            const Mask& speaks, const FaintContrast& contrast, const WallNeighbours& neighbours);
 
-/// usual_cavity with the local thickness of free wall and septum around `mean`. `long_axis` (unit vector along the
+/// prior_cavity with the local thickness of free wall and septum around `mean`. `long_axis` (unit vector along the
 /// grid's axes) is the ventricles': the trabeculae of the free wall run along it.
 Volume<float> measured_cavity(const Volume<float>& hu, const WallDistances& walls, const Mask& thin_walled,
                               const Mask& compartment, const WallThickness& mean, const FaintContrast& contrast,

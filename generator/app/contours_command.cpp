@@ -41,7 +41,8 @@ struct Outcome {
 pde::EdgeSettings edges_of(const ContoursCommand& command, const Volume<float>& image, const parallel::Comm& comm) {
   pde::EdgeSettings edges{command.smoothing_mm, command.edge_per_mm};
   if (edges.edge_per_mm == 0)
-    edges.edge_per_mm = parallel::run_on_root(comm, [&] { return pde::usual_edge_per_mm(image, edges.smoothing_mm); });
+    edges.edge_per_mm =
+        parallel::run_on_root(comm, [&] { return pde::default_edge_per_mm(image, edges.smoothing_mm); });
   parallel::broadcast(comm, edges.edge_per_mm);
   return edges;
 }
@@ -112,10 +113,10 @@ void check_command(const ContoursCommand& command) {
                         "\"? Known: " + fmt::format("{}", fmt::join(methods, ", ")));
   if (!(command.share > 0 && command.share < 1))
     throw UserError(fmt::format("a share of {:g}", command.share), "contours --share", "give one between 0 and 1");
-  constexpr double most_balloon = 1000;  // times the speed by curvature of a radius of a millimetre
-  if (!(std::abs(command.balloon) <= most_balloon))
+  constexpr double max_balloon = 1000;  // times the speed by curvature of a radius of a millimetre
+  if (!(std::abs(command.balloon) <= max_balloon))
     throw UserError(fmt::format("a speed of {:g}", command.balloon), "contours --balloon",
-                    fmt::format("give one between -{0:g} and {0:g}", most_balloon));
+                    fmt::format("give one between -{0:g} and {0:g}", max_balloon));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ struct ContoursCommand {
   std::vector<double> seeds;  ///< x, y, z, x, y, z, ... LPS mm
   double radius_mm = 5;       ///< of the start around the seeds
   double smoothing_mm = 1;
-  double edge_per_mm = 0;  ///< 0: usual_edge_per_mm
+  double edge_per_mm = 0;  ///< 0: default_edge_per_mm
   double curvature_mm = 1, attraction_mm = -1, balloon = 0;
   double tension_mm = 0.3, rigidity_mm3 = 1;
   double share = 0.5;   ///< subjective: level of the object's border, of the plateau at the seeds

@@ -40,8 +40,8 @@ constexpr double bin_deg = 5;
 struct Angles {
   std::size_t nodes = 0, cells = 0;
   std::int64_t inverted = 0;
-  double least_deg = 180, most_deg = 0;
-  std::array<std::int64_t, bin_count> cells_by_least{};  ///< smallest dihedral angle, in steps of 5 degrees
+  double min_deg = 180, max_deg = 0;
+  std::array<std::int64_t, bin_count> cells_by_min{};  ///< smallest dihedral angle, in steps of 5 degrees
 };
 
 Angles measure(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells) {
@@ -51,9 +51,9 @@ Angles measure(const std::vector<Vec3>& nodes, const std::vector<Cell>& cells) {
     for (std::size_t i = 0; i < 4; ++i) corners[i] = nodes[static_cast<std::size_t>(cell[i])];
     const auto q = validation::cell_quality(corners);
     angles.inverted += !(q.volume_mm3 > 0);
-    angles.least_deg = std::min(angles.least_deg, q.min_dihedral_deg);
-    angles.most_deg = std::max(angles.most_deg, q.max_dihedral_deg);
-    ++angles.cells_by_least[std::min(static_cast<std::size_t>(q.min_dihedral_deg / bin_deg), bin_count - 1)];
+    angles.min_deg = std::min(angles.min_deg, q.min_dihedral_deg);
+    angles.max_deg = std::max(angles.max_deg, q.max_dihedral_deg);
+    ++angles.cells_by_min[std::min(static_cast<std::size_t>(q.min_dihedral_deg / bin_deg), bin_count - 1)];
   }
   return angles;
 }
@@ -62,9 +62,9 @@ Json as_json(const Angles& a) {
   return {{"nodes", a.nodes},
           {"cells", a.cells},
           {"inverted_cells", a.inverted},
-          {"dihedral_min_deg", a.least_deg},
-          {"dihedral_max_deg", a.most_deg},
-          {"cells_by_smallest_angle_in_steps_of_5_deg", a.cells_by_least}};
+          {"dihedral_min_deg", a.min_deg},
+          {"dihedral_max_deg", a.max_deg},
+          {"cells_by_smallest_angle_in_steps_of_5_deg", a.cells_by_min}};
 }
 
 void print(const Angles& before, const Angles& after) {
@@ -75,14 +75,14 @@ void print(const Angles& before, const Angles& after) {
   row("nodes", before.nodes, after.nodes);
   row("cells", before.cells, after.cells);
   row("inverted cells", before.inverted, after.inverted);
-  row("smallest dihedral angle", fmt::format("{:.3f}", before.least_deg), fmt::format("{:.3f}", after.least_deg));
-  row("largest dihedral angle", fmt::format("{:.3f}", before.most_deg), fmt::format("{:.3f}", after.most_deg));
+  row("smallest dihedral angle", fmt::format("{:.3f}", before.min_deg), fmt::format("{:.3f}", after.min_deg));
+  row("largest dihedral angle", fmt::format("{:.3f}", before.max_deg), fmt::format("{:.3f}", after.max_deg));
   fmt::print("cells by smallest angle:\n");
   for (std::size_t bin = 0; bin < bin_count; ++bin)
     row(fmt::format("  {:>2.0f} to {:>2.0f} degrees", bin_deg * static_cast<double>(bin),
                     bin_deg * static_cast<double>(bin + 1))
             .c_str(),
-        before.cells_by_least[bin], after.cells_by_least[bin]);
+        before.cells_by_min[bin], after.cells_by_min[bin]);
 }
 
 Json as_json(const ImproveCommand& command, const Angles& before, const Angles& after,

@@ -163,7 +163,7 @@ bool is_own_mesh(const std::string& path) {
 OwnMesh read_own_mesh(const std::string& path, const std::string& region, const std::string& unit) {
   const auto data = mesh_files::read_any_mesh(path);
   const auto labels = mesh_files::find_labels(data, region, path);
-  const double scale = unit.empty() ? mesh_files::usual_unit_mm(path) : 1 / exporters::unit_scale(unit);
+  const double scale = unit.empty() ? mesh_files::typical_unit_mm(path) : 1 / exporters::unit_scale(unit);
   OwnMesh own;
   own.name = std::filesystem::path(path).stem().string();
   own.remarks = data.remarks;

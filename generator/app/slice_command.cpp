@@ -28,10 +28,10 @@ std::int64_t chosen_slice(const SliceCommand& command, const Grid& grid) {
 
 /// An edge as long as the image gives one or two triangles and no slice of a thorax.
 void refuse_longer_than(const Grid& grid, const char* option, double edge_mm) {
-  const double least_mm = std::min(static_cast<double>(grid.size[0]) * grid.spacing_mm.x,
-                                   static_cast<double>(grid.size[1]) * grid.spacing_mm.y);
-  if (edge_mm > least_mm)
-    throw UserError(fmt::format("an edge of {:g} mm in an image of {:g} mm", edge_mm, least_mm),
+  const double min_mm = std::min(static_cast<double>(grid.size[0]) * grid.spacing_mm.x,
+                                 static_cast<double>(grid.size[1]) * grid.spacing_mm.y);
+  if (edge_mm > min_mm)
+    throw UserError(fmt::format("an edge of {:g} mm in an image of {:g} mm", edge_mm, min_mm),
                     fmt::format("slice {}", option), "give a length of some millimetres");
 }
 
@@ -40,7 +40,7 @@ Json numbers_of(const SliceCommand& command, const TriMesh& mesh, const mesh::Sl
           {"nodes", mesh.nodes_mm.size()},
           {"triangles", mesh.triangles.size()},
           {"edges", mesh.edges.size()},
-          {"least_angle_deg", report.least_angle_deg},
+          {"least_angle_deg", report.min_angle_deg},
           {"greatest_angle_deg", report.greatest_angle_deg},
           {"triangles_outside_28_120_deg", report.outside_bounds},
           {"curve_distance_p99_edges", report.distance_p99},
@@ -54,7 +54,7 @@ Json numbers_of(const SliceCommand& command, const TriMesh& mesh, const mesh::Sl
 void print_numbers(const SliceCommand& command, const TriMesh& mesh, const mesh::SliceReport& report) {
   fmt::print("{}: {} nodes, {} triangles, {} labelled edges\n", command.output, mesh.nodes_mm.size(),
              mesh.triangles.size(), mesh.edges.size());
-  fmt::print("angles from {:.2f} to {:.2f} degrees, {} triangles outside [28, 120]\n", report.least_angle_deg,
+  fmt::print("angles from {:.2f} to {:.2f} degrees, {} triangles outside [28, 120]\n", report.min_angle_deg,
              report.greatest_angle_deg, report.outside_bounds);
   fmt::print("interface edges to their curve: p99 {:.3f}, max {:.3f} of the edge\n", report.distance_p99,
              report.distance_max);

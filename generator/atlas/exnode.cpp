@@ -39,7 +39,7 @@ struct Builder {
 
   /// Six tetrahedra around the diagonal from the first to the last corner; flat ones are left out.
   void add_brick(const std::array<std::int32_t, corners>& corner) {
-    constexpr double least_volume_mm3 = 1e-6;
+    constexpr double min_volume_mm3 = 1e-6;
     constexpr std::array<std::array<std::size_t, 4>, 6> split{
         {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
     for (const auto& four : split) {
@@ -49,7 +49,7 @@ struct Builder {
         cell[k] = corner[four[k]];
         p[k] = points[static_cast<std::size_t>(cell[k])];
       }
-      if (std::abs(dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0]))) > 6 * least_volume_mm3) cells.push_back(cell);
+      if (std::abs(dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0]))) > 6 * min_volume_mm3) cells.push_back(cell);
     }
   }
 

@@ -28,7 +28,7 @@ struct Lines {
 };
 
 Lines read_lines(const std::string& path) {
-  constexpr std::size_t block = 1 << 16, most_bytes = std::size_t{1} << 28;
+  constexpr std::size_t block = 1 << 16, max_bytes = std::size_t{1} << 28;
   Lines lines{path, {}, 0};
   require_input_file(path);
   gzFile file = gzopen(path.c_str(), "rb");
@@ -36,7 +36,7 @@ Lines read_lines(const std::string& path) {
   std::string text(block, '\0');
   std::size_t size = 0;
   int got = 0;
-  while ((got = gzread(file, text.data() + size, block)) > 0 && size < most_bytes) {
+  while ((got = gzread(file, text.data() + size, block)) > 0 && size < max_bytes) {
     size += static_cast<std::size_t>(got);
     text.resize(size + block);
   }

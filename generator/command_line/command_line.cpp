@@ -34,11 +34,11 @@ constexpr int exit_user = 2;
 constexpr unsigned threads_per_processor = 16;  // for the same bits on small machines; more only wait
 
 /// Long work says so.
-std::unique_ptr<pipeline::Watch> watch_over(const CommandLine& line) {
+std::unique_ptr<pipeline::Heartbeat> watch_over(const CommandLine& line) {
   const auto name = line.app.get_subcommands().front()->get_name();
   if (!line.comm.is_root() || std::ranges::find(line.talkative, name) != line.talkative.end()) return nullptr;
   const auto program = line.app.get_name();
-  return std::make_unique<pipeline::Watch>(pipeline::longest_silence, [program, name](double seconds) {
+  return std::make_unique<pipeline::Heartbeat>(pipeline::longest_silence, [program, name](double seconds) {
     fmt::print(stderr, "{} {}: {:.0f} s so far\n", program, name, seconds);
     std::fflush(stderr);
   });
@@ -58,10 +58,10 @@ void choose_simd(const std::string& name) {
 
 int run(CommandLine& line) {
   if (line.threads < 0) throw UserError("must be positive", "--threads", "give the number of threads");
-  const auto most_threads = static_cast<int>(threads_per_processor * std::max(1U, std::thread::hardware_concurrency()));
-  if (line.threads > most_threads)
+  const auto max_threads = static_cast<int>(threads_per_processor * std::max(1U, std::thread::hardware_concurrency()));
+  if (line.threads > max_threads)
     throw UserError(fmt::format("{} threads would wait for each other", line.threads), "--threads",
-                    fmt::format("give at most {} on this machine, or 0 for one per processor", most_threads));
+                    fmt::format("give at most {} on this machine, or 0 for one per processor", max_threads));
   if (line.threads > 0) parallel::set_thread_count(line.threads);
   if (!line.simd.empty()) choose_simd(line.simd);
   if (!line.memory_limit.empty()) set_memory_limit(bytes_of_text(line.memory_limit, "--memory-limit"));

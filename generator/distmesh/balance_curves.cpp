@@ -10,7 +10,7 @@ namespace heartgen::distmesh {
 namespace {
 
 constexpr double mean_per_middle = 2.0 / 3;
-constexpr double most_shift = 0.1;  // of the edge
+constexpr double max_shift = 0.1;  // of the edge
 
 /// The way from a point to the curve between two labels, to first order.
 Vec3 way_to_curve(const Materials& materials, LabelBits labels, const Vec3& point) {
@@ -29,7 +29,7 @@ Vec3 shift_of(const Triangles& mesh, const Materials& materials, std::int32_t no
   if (sides != 2) return {};  // the end of a curve, or more than one through the node
   // What the node is off already belongs to the error of its sides' middles.
   const Vec3 shift = mean_per_middle / sides * sum;
-  const double most = most_shift * materials.edge_mm(mesh.at(node)), length = norm(shift);
+  const double most = max_shift * materials.edge_mm(mesh.at(node)), length = norm(shift);
   return length > most ? most / length * shift : shift;
 }
 
@@ -41,8 +41,8 @@ double worst_around(const Triangles& mesh, std::int32_t node) {
 
 }  // namespace
 
-void balance_curves(Triangles& mesh, const Materials& materials, double least_deg) {
-  const double least = math::sin(least_deg * std::numbers::pi / 180);
+void balance_curves(Triangles& mesh, const Materials& materials, double min_deg) {
+  const double least = math::sin(min_deg * std::numbers::pi / 180);
   std::vector<Vec3> shift(mesh.nodes_mm.size());
   for (std::size_t n = 0; n < shift.size(); ++n) {
     const LabelBits bits = mesh.touches[n];

@@ -7,7 +7,7 @@ namespace heartgen::distmesh {
 
 /// Shifts nodes between exactly two labels, and on no side of the box, along the curve's normal by two thirds of the
 /// mean error of their sides' middles: the mean distance of a parabola's chord. Kept where no triangle falls below
-/// `least_deg` or, if it is below already, gets worse. To be done last: smoothing undoes it.
-void balance_curves(Triangles& mesh, const Materials& materials, double least_deg);
+/// `min_deg` or, if it is below already, gets worse. To be done last: smoothing undoes it.
+void balance_curves(Triangles& mesh, const Materials& materials, double min_deg);
 
 }  // namespace heartgen::distmesh

@@ -14,10 +14,10 @@ namespace heartgen::distmesh {
 namespace {
 
 // All in wanted edges.
-constexpr double probe_reach = 0.12;     // what meets at a place is looked for so far around it
-constexpr double most_correction = 0.4;  // from where an edge or triangle crosses to the feature
-constexpr double most_move = 0.75;       // of a node onto a feature
-constexpr double apart = 0.4;            // between two nodes on the same corner
+constexpr double probe_reach = 0.12;    // what meets at a place is looked for so far around it
+constexpr double max_correction = 0.4;  // from where an edge or triangle crosses to the feature
+constexpr double max_move = 0.75;       // of a node onto a feature
+constexpr double apart = 0.4;           // between two nodes on the same corner
 constexpr int newton_steps = 5;
 
 LabelBits lowest(LabelBits bits) { return bits & (~bits + 1); }
@@ -57,7 +57,7 @@ Exit find_exit(const Materials& materials, const Vec3& from, const Vec3& to, Lab
 }
 
 /// The place of the feature `bits` within `reach` edges of `start`, if all of them meet there.
-std::optional<Vec3> place_on(const Setting& s, LabelBits bits, const Vec3& start, double reach = most_correction) {
+std::optional<Vec3> place_on(const Setting& s, LabelBits bits, const Vec3& start, double reach = max_correction) {
   if (constraints(bits) > static_cast<int>(s.dimension)) return {};
   const double edge = s.edge_at(start);
   const Vec3 place = tetmesh::project(*s.materials, bits, start, newton_steps);
@@ -75,16 +75,16 @@ struct Candidate {
 
 void add_candidate(std::vector<Candidate>& list, const Setting& s, const Nodes& nodes, std::int32_t node,
                    std::int32_t other) {
-  constexpr double most_share = 0.55;
+  constexpr double max_share = 0.55;
   const auto n = static_cast<std::size_t>(node);
   if (n < nodes.fixed) return;
   const Vec3& from = nodes.at_mm[n];
   const Vec3& to = nodes.at_mm[static_cast<std::size_t>(other)];
   const auto exit = find_exit(*s.materials, from, to, nodes.touches[n]);
-  if (exit.beyond == 0 || exit.share > most_share) return;
+  if (exit.beyond == 0 || exit.share > max_share) return;
   const Vec3 crossing = from + exit.share * (to - from);
   const double distance = norm(crossing - from) / s.edge_at(crossing);
-  if (distance <= most_move) list.push_back({distance, node, other, nodes.touches[n] | exit.beyond, crossing});
+  if (distance <= max_move) list.push_back({distance, node, other, nodes.touches[n] | exit.beyond, crossing});
 }
 
 /// An edge crosses when its ends share no label. A side of the box is no label: what lies beyond it is outside.
@@ -155,7 +155,7 @@ void bind_in_triangle(Nodes& nodes, const Cell& triangle, const Setting& s, std:
   std::size_t nearest = 3;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto n = static_cast<std::size_t>(triangle[i]);
-    if (n < nodes.fixed || moved[n] != 0 || norm(p[i] - *place) > most_move * edge) continue;
+    if (n < nodes.fixed || moved[n] != 0 || norm(p[i] - *place) > max_move * edge) continue;
     if (constraints(nodes.touches[n]) == static_cast<int>(s.dimension)) continue;
     if (nearest == 3 || norm(p[i] - *place) < norm(p[nearest] - *place)) nearest = i;
   }
@@ -197,9 +197,9 @@ void bind_to_hull(Nodes& nodes, std::int32_t node, const Setting& s) {
   const auto n = static_cast<std::size_t>(node);
   if (n < nodes.fixed || (nodes.touches[n] & hull_bits) != 0) return;
   const Vec3 from = nodes.at_mm[n];
-  for (const auto beyond : {near_side(*s.materials, from, most_move * s.edge_at(from)), bit_of(0)}) {
+  for (const auto beyond : {near_side(*s.materials, from, max_move * s.edge_at(from)), bit_of(0)}) {
     const LabelBits bits = nodes.touches[n] | beyond;
-    const auto place = beyond == 0 ? std::nullopt : place_on(s, bits, from, most_move);
+    const auto place = beyond == 0 ? std::nullopt : place_on(s, bits, from, max_move);
     if (!place) continue;
     nodes.at_mm[n] = *place;
     nodes.touches[n] = bits;
@@ -219,7 +219,7 @@ void bind_to_hull_edge(Nodes& nodes, std::int32_t a, std::int32_t b, const Setti
     const auto n = static_cast<std::size_t>(node);
     if (n < nodes.fixed) continue;
     const LabelBits both = nodes.touches[n] | lowest(beyond(other));
-    const auto found = place_on(s, both, nodes.at_mm[n], most_move);
+    const auto found = place_on(s, both, nodes.at_mm[n], max_move);
     if (!found || (nearest < nodes.size() && norm(*found - nodes.at_mm[n]) >= norm(place - nodes.at_mm[nearest])))
       continue;
     nearest = n;

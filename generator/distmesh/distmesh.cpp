@@ -15,11 +15,11 @@
 namespace heartgen::distmesh {
 namespace {
 
-constexpr int control_every = 10;        // iterations between rounds of adding and removing nodes
-constexpr double control_until = 0.7;    // of the iterations: the rest only settles
-constexpr double most_step = 0.25;       // of the edge, per iteration
-constexpr double most_correction = 0.5;  // of the edge, back onto an interface
-constexpr double most_offset = 0.05;     // of the edge, of a bound node from its interface
+constexpr int control_every = 10;       // iterations between rounds of adding and removing nodes
+constexpr double control_until = 0.7;   // of the iterations: the rest only settles
+constexpr double max_step = 0.25;       // of the edge, per iteration
+constexpr double max_correction = 0.5;  // of the edge, back onto an interface
+constexpr double max_offset = 0.05;     // of the edge, of a bound node from its interface
 constexpr int newton_steps = 3;
 
 struct Problem {
@@ -99,8 +99,8 @@ std::vector<Vec3> forces_on(const Nodes& nodes, const Bars& bars, const Problem&
 Vec3 allowed_place(const Materials& materials, const Vec3& from, const Vec3& target, LabelBits touches, double edge) {
   if (std::popcount(touches) == 1) return is_outside(bits_at(materials, target)) ? from : target;
   const Vec3 place = tetmesh::project(materials, touches, target, newton_steps);
-  const bool is_there = norm(place - target) <= most_correction * edge &&
-                        tetmesh::distance_to(tetmesh::feature_at(materials, touches, place)) <= most_offset * edge;
+  const bool is_there = norm(place - target) <= max_correction * edge &&
+                        tetmesh::distance_to(tetmesh::feature_at(materials, touches, place)) <= max_offset * edge;
   return is_there ? place : from;
 }
 
@@ -112,7 +112,7 @@ double move_nodes(Nodes& nodes, const Bars& bars, const Problem& problem) {
     if (constraints(nodes.touches[n]) >= static_cast<int>(problem.dimension)) return;
     const double edge = problem.materials->edge_mm(nodes.at_mm[n]);
     Vec3 step = problem.settings->step * force[n];
-    if (norm(step) > most_step * edge) step = most_step * edge * normalized(step);
+    if (norm(step) > max_step * edge) step = max_step * edge * normalized(step);
     const Vec3 from = nodes.at_mm[n];
     nodes.at_mm[n] = allowed_place(*problem.materials, from, from + step, nodes.touches[n], edge);
     moved[n] = static_cast<float>(norm(nodes.at_mm[n] - from) / edge);
@@ -147,7 +147,7 @@ void add_middle(Nodes& nodes, const Edge& bar, const Problem& problem) {
   };
   if (std::popcount(bits) > 1) {
     const Vec3 place = tetmesh::project(m, bits, middle, newton_steps);
-    if (norm(place - middle) < most_correction * edge && is_interface(place))
+    if (norm(place - middle) < max_correction * edge && is_interface(place))
       middle = place;
     else
       bits = 0;
@@ -197,8 +197,8 @@ void control_density(Nodes& nodes, const Bars& bars, const Problem& problem) {
 }
 
 /// Corners of the box and given nodes, which are fixed, and points that two or more interfaces hold.
-Nodes first_nodes(const Problem& problem, double least_edge_mm) {
-  constexpr double probe_reach = 0.12, most_samples = 4e6;
+Nodes first_nodes(const Problem& problem, double min_edge_mm) {
+  constexpr double probe_reach = 0.12, max_samples = 4e6;
   const auto& m = *problem.materials;
   auto nodes = box_corners(m, problem.dimension);
   for (const auto& p : problem.settings->fixed_mm) {
@@ -208,7 +208,7 @@ Nodes first_nodes(const Problem& problem, double least_edge_mm) {
   nodes.fixed = nodes.size();
   if (problem.dimension == Dimension::two) {
     const Vec3 size = m.box_max_mm - m.box_min_mm;
-    add_meeting_points(nodes, m, std::max(0.5 * least_edge_mm, std::sqrt(size.x * size.y / most_samples)));
+    add_meeting_points(nodes, m, std::max(0.5 * min_edge_mm, std::sqrt(size.x * size.y / max_samples)));
     add_side_nodes(nodes, m);
   }
   return nodes;
@@ -237,12 +237,12 @@ void thin_out(Nodes& nodes, const Bars& bars, Dimension dimension, double least)
 
 /// Triangulates until no edge crosses an interface, or nothing helps any more.
 void finish(Truss& truss, const Problem& problem) {
-  constexpr int most_rounds = 8, thinning_rounds = 2, most_stalled = 3;
+  constexpr int max_rounds = 8, thinning_rounds = 2, max_stalled = 3;
   constexpr double crowded = 0.4;
   auto& nodes = truss.nodes;
   const auto& m = *problem.materials;
   auto fewest = std::numeric_limits<std::int64_t>::max();
-  for (int round = 0, stalled = 0; round < most_rounds && stalled < most_stalled; ++round) {
+  for (int round = 0, stalled = 0; round < max_rounds && stalled < max_stalled; ++round) {
     truss.simplices = delaunay(nodes, problem.dimension);
     truss.crossing = resolve_crossings(nodes, truss.simplices, m, problem.dimension);
     drop_simplices_outside(nodes, truss.simplices, m);
@@ -263,7 +263,7 @@ void finish(Truss& truss, const Problem& problem) {
 
 }  // namespace
 
-TrussSettings usual_settings(Dimension dimension) {
+TrussSettings default_settings(Dimension dimension) {
   TrussSettings settings;
   if (dimension == Dimension::three) {
     settings.pressure = 1.1;
@@ -299,9 +299,9 @@ Truss relax(Nodes start, const Materials& materials, Dimension dimension, const 
   return truss;
 }
 
-Truss relax(const Materials& materials, Dimension dimension, double least_edge_mm, const TrussSettings& settings) {
-  auto nodes = first_nodes({&materials, dimension, &settings}, least_edge_mm);
-  add_start_nodes(nodes, materials, dimension, least_edge_mm);
+Truss relax(const Materials& materials, Dimension dimension, double min_edge_mm, const TrussSettings& settings) {
+  auto nodes = first_nodes({&materials, dimension, &settings}, min_edge_mm);
+  add_start_nodes(nodes, materials, dimension, min_edge_mm);
   return relax(std::move(nodes), materials, dimension, settings);
 }
 

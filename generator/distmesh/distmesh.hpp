@@ -33,7 +33,7 @@ struct TrussSettings {
 };
 
 /// The settings that suit a dimension.
-TrussSettings usual_settings(Dimension dimension);
+TrussSettings default_settings(Dimension dimension);
 
 struct Truss {
   Nodes nodes;
@@ -46,8 +46,8 @@ struct Truss {
 /// From nodes that are bound already, by a lattice for example. Throws UserError when there are too few.
 Truss relax(Nodes start, const Materials& materials, Dimension dimension, const TrussSettings& settings);
 
-/// From nodes of its own. `least_edge_mm` is the least of materials.edge_mm. Throws UserError when no node lies in any
+/// From nodes of its own. `min_edge_mm` is the least of materials.edge_mm. Throws UserError when no node lies in any
 /// label.
-Truss relax(const Materials& materials, Dimension dimension, double least_edge_mm, const TrussSettings& settings);
+Truss relax(const Materials& materials, Dimension dimension, double min_edge_mm, const TrussSettings& settings);
 
 }  // namespace heartgen::distmesh

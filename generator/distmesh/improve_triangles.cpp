@@ -14,7 +14,7 @@ namespace {
 
 // When each operation joins in: cheap and harmless ones first.
 constexpr int divide_from = 1, cut_tips_from = 2, loosen_from = 3, shake_from = 5;
-constexpr double most_deviation = 0.12;  // of a new interface edge's middle, in its length
+constexpr double max_deviation = 0.12;  // of a new interface edge's middle, in its length
 
 /// What an attempted change did, to take it back.
 struct Journal {
@@ -26,7 +26,7 @@ struct Journal {
 
 struct Score {
   double worst = 9;
-  double misery = 0;  ///< sum of the squares of what lacks
+  double penalty = 0;  ///< sum of the squares of what lacks
 };
 
 struct Improver {
@@ -77,7 +77,7 @@ struct Improver {
     for (const auto t : triangles) {
       const double q = quality(mesh, t), lack = std::max(0.0, goal + 0.002 - q);
       score.worst = std::min(score.worst, q);
-      score.misery += lack * lack;
+      score.penalty += lack * lack;
     }
     return score;
   }
@@ -150,7 +150,7 @@ struct Improver {
     smooth_all(nodes, 3);
     std::erase_if(nodes, [&](std::int32_t n) { return star(n).empty(); });
     const Score after = score_of(nodes);
-    if (after.misery < 0.999 * before.misery && after.worst >= std::min(before.worst, goal)) return true;
+    if (after.penalty < 0.999 * before.penalty && after.worst >= std::min(before.worst, goal)) return true;
     undo();
     return false;
   }
@@ -179,7 +179,7 @@ struct Improver {
     const auto at = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), a) - corners.begin());
     const bool is_forward = corners[(at + 1) % 3] == b;  // a, b, c is counter-clockwise
     const Face first = is_forward ? Face{a, d, c} : Face{a, c, d}, second = is_forward ? Face{d, b, c} : Face{c, b, d};
-    const auto q = [&](const Face& f) { return least_sine(mesh.at(f[0]), mesh.at(f[1]), mesh.at(f[2])); };
+    const auto q = [&](const Face& f) { return min_sine(mesh.at(f[0]), mesh.at(f[1]), mesh.at(f[2])); };
     if (std::min(q(first), q(second)) <= std::min(quality(mesh, t), quality(mesh, u))) return false;
     if (triangles_at(mesh, c, d)[0] >= 0) return false;
     journal = {};
@@ -194,7 +194,7 @@ struct Improver {
   bool follows_curve(std::int32_t a, std::int32_t b, LabelBits bits) const {
     const Vec3 middle = 0.5 * (mesh.at(a) + mesh.at(b));
     return tetmesh::distance_to(tetmesh::feature_at(materials, bits, middle)) <=
-           most_deviation * norm(mesh.at(a) - mesh.at(b));
+           max_deviation * norm(mesh.at(a) - mesh.at(b));
   }
   bool may_shrink(std::int32_t gone, std::int32_t kept) const {
     const LabelBits bits = mesh.bits(gone);

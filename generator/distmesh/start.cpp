@@ -89,12 +89,12 @@ void drop_near_first(Nodes& nodes, const Materials& materials, std::size_t first
 
 }  // namespace
 
-void add_start_nodes(Nodes& nodes, const Materials& materials, Dimension dimension, double least_edge_mm) {
+void add_start_nodes(Nodes& nodes, const Materials& materials, Dimension dimension, double min_edge_mm) {
   const std::size_t first = nodes.size();
   const Vec3 size = materials.box_max_mm - materials.box_min_mm;
   const double longest = dimension == Dimension::two ? std::max(size.x, size.y) : std::max({size.x, size.y, size.z});
   const auto width_mm = [&](std::int64_t number) {
-    return least_edge_mm * math::pow(2.0, 0.5 * static_cast<double>(number));
+    return min_edge_mm * math::pow(2.0, 0.5 * static_cast<double>(number));
   };
   for (std::int64_t number = 0; width_mm(number) < longest; ++number)
     add_class(nodes, materials, dimension, (number == 0 ? 0.999999 : 1) * width_mm(number), width_mm(number + 1),

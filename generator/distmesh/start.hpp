@@ -8,7 +8,7 @@ namespace heartgen::distmesh {
 /// half an edge of the nodes that are there. Lattices of widths that are powers of sqrt(2) of the least edge share the
 /// work: each fills the places where the wanted edge is between its width and the next, and keeps a node with a
 /// probability of (width / edge)^dimension, by numbers that depend on the node's place only. Persson and Strang 2004,
-/// with one lattice of the least width. `least_edge_mm` is the least of materials.edge_mm.
-void add_start_nodes(Nodes& nodes, const Materials& materials, Dimension dimension, double least_edge_mm);
+/// with one lattice of the least width. `min_edge_mm` is the least of materials.edge_mm.
+void add_start_nodes(Nodes& nodes, const Materials& materials, Dimension dimension, double min_edge_mm);
 
 }  // namespace heartgen::distmesh

@@ -8,7 +8,7 @@ namespace heartgen::distmesh {
 
 double quality(const Triangles& mesh, std::int32_t triangle) {
   const auto& t = mesh.triangle(triangle);
-  return least_sine(mesh.at(t[0]), mesh.at(t[1]), mesh.at(t[2]));
+  return min_sine(mesh.at(t[0]), mesh.at(t[1]), mesh.at(t[2]));
 }
 
 std::int32_t add_triangle(Triangles& mesh, const Face& corners, int label) {

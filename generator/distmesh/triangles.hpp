@@ -29,7 +29,7 @@ struct Triangles {
 };
 
 /// Sine of the least angle: twice the area over the two longer sides; negative for clockwise triangles.
-inline double least_sine(const Vec3& a, const Vec3& b, const Vec3& c) {
+inline double min_sine(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, bc = c - b;
   const double p = dot(ab, ab), q = dot(ac, ac), r = dot(bc, bc);
   const double longer = p * q * r / std::min({p, q, r});

@@ -12,7 +12,7 @@
 namespace heartgen::fibers {
 namespace {
 
-constexpr std::size_t most_samples = 20000;
+constexpr std::size_t max_samples = 20000;
 
 double helix_of(const AxisTensor& local) {
   ventricles::WallPoint own;  // the tensors' frame
@@ -28,7 +28,7 @@ void add(DepthSamples& samples, double depth, double helix_deg) {
 /// Every so-manieth voxel: they are all of one volume.
 DepthSamples of_atlas(const AngleSamples& samples, const std::vector<double>& depth) {
   DepthSamples result;
-  for (std::size_t n = 0; n < depth.size(); n += depth.size() / most_samples + 1)
+  for (std::size_t n = 0; n < depth.size(); n += depth.size() / max_samples + 1)
     add(result, depth[n], helix_of(samples.tensor[n]));
   return result;
 }
@@ -58,19 +58,19 @@ std::vector<std::size_t> places(const CarriedAxes& c, bool left) {
   std::size_t count = 0;
   for (std::size_t n = 0; n < volume.size(); ++n)
     if (counts(c, left, n)) total += volume[n], ++count;
-  const double step = total / static_cast<double>(std::min(count, most_samples));
+  const double step = total / static_cast<double>(std::min(count, max_samples));
   std::vector<std::size_t> result;
   double passed = 0;
   for (std::size_t n = 0; n < volume.size(); ++n) {
     if (!counts(c, left, n)) continue;
     passed += volume[n];
-    while (passed > (static_cast<double>(result.size()) + 0.5) * step && result.size() < most_samples)
+    while (passed > (static_cast<double>(result.size()) + 0.5) * step && result.size() < max_samples)
       result.push_back(n);
   }
   return result;
 }
 
-void add_carried(const Hearts& hearts, const CarriedAxes& c, bool left, AtlasFigures& figures) {
+void add_carried(const RegisteredPair& hearts, const CarriedAxes& c, bool left, AtlasFigures& figures) {
   const AngleSamples& samples = left ? hearts.by_place.lv : hearts.by_place.rv;
   const auto& depth = left ? hearts.atlas_depth.lv : hearts.atlas_depth.rv;
   auto& carried = left ? figures.carried.lv : figures.carried.rv;
@@ -124,7 +124,7 @@ double carried_turn_per_wall(const CarriedAxes& c) {
 }
 
 /// Per voxel of the atlas's image: its wall's thickness where it is a sample, else 0.
-Volume<float> thickness_of_samples(const Hearts& hearts) {
+Volume<float> thickness_of_samples(const RegisteredPair& hearts) {
   Volume<float> thickness(hearts.atlas.fiber.grid);
   for (const bool left : {true, false}) {
     const auto& samples = left ? hearts.by_place.lv : hearts.by_place.rv;
@@ -139,7 +139,7 @@ Volume<float> thickness_of_samples(const Hearts& hearts) {
 
 /// Between neighbouring voxels of the atlas's image: over the walls' thickness within one wall, per mm from one wall to
 /// the other.
-void set_voxel_turns(const Hearts& hearts, AtlasFigures& figures) {
+void set_voxel_turns(const RegisteredPair& hearts, AtlasFigures& figures) {
   const auto& parts = hearts.atlas.ventricles.parts;
   const auto& fiber = hearts.atlas.fiber;
   const auto thickness = thickness_of_samples(hearts);
@@ -167,7 +167,7 @@ void set_voxel_turns(const Hearts& hearts, AtlasFigures& figures) {
 
 }  // namespace
 
-AtlasFigures atlas_figures(const Hearts& hearts, const FiberAtlas& atlas, const CarriedAxes& carried) {
+AtlasFigures atlas_figures(const RegisteredPair& hearts, const FiberAtlas& atlas, const CarriedAxes& carried) {
   AtlasFigures figures;
   figures.atlas = {of_atlas(hearts.by_place.lv, hearts.atlas_depth.lv),
                    of_atlas(hearts.by_place.rv, hearts.atlas_depth.rv)};

@@ -35,6 +35,6 @@ struct CarriedAxes {
   const std::vector<std::uint8_t>& use;
 };
 
-AtlasFigures atlas_figures(const Hearts& hearts, const FiberAtlas& atlas, const CarriedAxes& carried);
+AtlasFigures atlas_figures(const RegisteredPair& hearts, const FiberAtlas& atlas, const CarriedAxes& carried);
 
 }  // namespace heartgen::fibers

@@ -84,16 +84,15 @@ std::vector<Opening> openings_of(const Wall& wall, bool left) {
 /// Rows of the large openings on one side of the chamber; else of the wall's part farthest along `guess`.
 Rows veins(const Wall& wall, const std::vector<Opening>& openings, const Vec3& middle, const Vec3& side,
            const Vec3& guess) {
-  constexpr double least_perimeter_mm = 15, least_share = 0.5;  // of the largest on this side: less is a hole in a wall
+  constexpr double min_perimeter_mm = 15, min_share = 0.5;  // of the largest on this side: less is a hole in a wall
   double largest = 0;
   const auto on_side = [&](const Opening& o) { return dot(o.middle_mm - middle, side) > 0; };
   for (const Opening& o : openings)
     if (on_side(o)) largest = std::max(largest, o.perimeter_mm);
-  if (largest < least_perimeter_mm) return farthest_rows(wall, all_rows(wall), guess, patch_share);
+  if (largest < min_perimeter_mm) return farthest_rows(wall, all_rows(wall), guess, patch_share);
   Rows rows;
   for (const Opening& o : openings)
-    if (on_side(o) && o.perimeter_mm >= std::max(least_perimeter_mm, least_share * largest))
-      rows = joined(rows, o.rows);
+    if (on_side(o) && o.perimeter_mm >= std::max(min_perimeter_mm, min_share * largest)) rows = joined(rows, o.rows);
   return rows;
 }
 
@@ -123,10 +122,10 @@ Harmonic depth_of(const Wall& wall, bool left) {
 
 /// Fibres along the wall, across `rise`; any direction in the wall where that is not defined.
 RuleAxis across(const Vec3& depth_slope, const Vec3& rise) {
-  constexpr double least_tangent = 1e-9;
-  const Vec3 n = norm(depth_slope) > least_tangent ? normalized(depth_slope) : to_head;
+  constexpr double min_tangent = 1e-9;
+  const Vec3 n = norm(depth_slope) > min_tangent ? normalized(depth_slope) : to_head;
   const Vec3 along = rise - dot(rise, n) * n;
-  if (norm(along) > least_tangent) return {cross(normalized(along), n), n};
+  if (norm(along) > min_tangent) return {cross(normalized(along), n), n};
   return {normalized(cross(n, std::abs(n.x) < 0.8 ? to_left : to_back)), n};
 }
 

@@ -1,6 +1,7 @@
 #include "generator/fibers/frame.hpp"
 
 #include "generator/parallel/threads.hpp"
+#include "model/contract.hpp"
 
 namespace heartgen::fibers {
 namespace {
@@ -24,6 +25,7 @@ void set(FiberField& field, std::size_t n, const MaterialAxes& axes) {
 }  // namespace
 
 MaterialAxes material_axes(const Vec3& fiber, const Vec3& transmural) {
+  HEARTGEN_EXPECTS(dot(fiber, fiber) > 0);
   constexpr double nearly_parallel = 1e-3;
   MaterialAxes axes;
   axes.fiber = normalized(fiber);
@@ -37,6 +39,7 @@ MaterialAxes material_axes(const Vec3& fiber, const Vec3& transmural) {
 }
 
 FiberField node_frames(const std::vector<Vec3>& fiber, const std::vector<Vec3>& transmural) {
+  HEARTGEN_EXPECTS(fiber.size() == transmural.size());
   FiberField field;
   resize(field, fiber.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(fiber.size()), [&](std::int64_t begin, std::int64_t end) {

@@ -15,7 +15,7 @@ bool is_ventricular(std::int32_t region) {
 }
 
 /// The least cosine of an angle between fibres at two of the cell's nodes.
-double least_cosine(const Cell& cell, const FiberField& node) {
+double min_cosine(const Cell& cell, const FiberField& node) {
   double least = 1;
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = a + 1; b < 4; ++b)
@@ -40,7 +40,7 @@ struct SteepCells {
   }
 };
 
-PointWalls walls_at(const Hearts& hearts, const std::vector<Vec3>& points_mm) {
+PointWalls walls_at(const RegisteredPair& hearts, const std::vector<Vec3>& points_mm) {
   return point_walls(hearts, points_mm, std::vector<std::uint8_t>(points_mm.size(), 1));
 }
 
@@ -60,7 +60,7 @@ void fits_at(const Cell& cell, const WallFits& wall, std::vector<const AngleFit*
 }
 
 /// Returns those that the fits at their nodes are not enough for.
-SteepCells carry_between_nodes(const Hearts& hearts, const TetMesh& mesh, const SteepCells& steep,
+SteepCells carry_between_nodes(const RegisteredPair& hearts, const TetMesh& mesh, const SteepCells& steep,
                                const FittedAxes& carried, const std::string& method, FiberField& cell) {
   const auto walls = walls_at(hearts, steep.centroid_mm);
   const auto atlas_mm = atlas_positions(hearts, steep.centroid_mm);
@@ -84,7 +84,8 @@ SteepCells carry_between_nodes(const Hearts& hearts, const TetMesh& mesh, const 
   return left_over;
 }
 
-void carry_to_centroids(const Hearts& hearts, const SteepCells& steep, const std::string& method, FiberField& cell) {
+void carry_to_centroids(const RegisteredPair& hearts, const SteepCells& steep, const std::string& method,
+                        FiberField& cell) {
   const auto walls = walls_at(hearts, steep.centroid_mm);
   const auto axes =
       carried_axes(hearts, walls, steep.centroid_mm, atlas_positions(hearts, steep.centroid_mm), method).axes;
@@ -94,13 +95,13 @@ void carry_to_centroids(const Hearts& hearts, const SteepCells& steep, const std
 
 }  // namespace
 
-void carry_to_steep_cells(const Hearts& hearts, const TetMesh& mesh, const FiberField& node, const FittedAxes& carried,
-                          const std::string& method, FiberField& cell) {
+void carry_to_steep_cells(const RegisteredPair& hearts, const TetMesh& mesh, const FiberField& node,
+                          const FittedAxes& carried, const std::string& method, FiberField& cell) {
   constexpr double steep = 0.906, too_steep = 0.5;  // 25 degrees; 60, beyond which a cubic is no good guess
   std::vector<double> cosine(mesh.cells.size(), 1);
   parallel::parallel_for(0, static_cast<std::int64_t>(mesh.cells.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
-      if (is_ventricular(mesh.region[c])) cosine[c] = least_cosine(mesh.cells[c], node);
+      if (is_ventricular(mesh.region[c])) cosine[c] = min_cosine(mesh.cells[c], node);
   });
   const bool fitted = !carried.fits.lv.fits.empty() || !carried.fits.rv.fits.empty();
   SteepCells between, single;

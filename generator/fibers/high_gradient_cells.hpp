@@ -12,7 +12,7 @@ namespace heartgen::fibers {
 /// to the cell's centroid: out of the fits at its nodes, `carried`, where all four are of its wall and none more than
 /// 60 degrees off another, else by a fit of its own. Other cells, and those that nothing can be carried to, keep
 /// theirs. `node`, `cell`, `carried`: of the whole mesh. The same bits for any number of threads.
-void carry_to_steep_cells(const Hearts& hearts, const TetMesh& mesh, const FiberField& node, const FittedAxes& carried,
-                          const std::string& method, FiberField& cell);
+void carry_to_steep_cells(const RegisteredPair& hearts, const TetMesh& mesh, const FiberField& node,
+                          const FittedAxes& carried, const std::string& method, FiberField& cell);
 
 }  // namespace heartgen::fibers

@@ -34,8 +34,8 @@ AxisTensor mean_of_known(const Around& around, const Axes& axes, const IsKnown& 
 /// 1 / |grad u| at an element, from the differences to its neighbours.
 template <class Around, class Axes, class IsKnown>
 double inverse_slope(const Around& around, const Axes& axes, const IsKnown& is_known, const AxisTensor& own) {
-  constexpr double least_slope_per_mm = 1e-3;
-  double sum = least_slope_per_mm * least_slope_per_mm;
+  constexpr double min_slope_per_mm = 1e-3;
+  double sum = min_slope_per_mm * min_slope_per_mm;
   around([&](std::size_t other, double h) {
     if (is_known(other)) sum += squared_difference(own, axes[other]) / (2 * h * h);
   });

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "generator/parallel/threads.hpp"
+#include "model/contract.hpp"
 #include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
@@ -65,7 +66,7 @@ double squared_distance(const WallFeature& a, const WallFeature& b) {
 class NearestSamples {
  public:
   using DistanceType = double;  // this and the public functions below `found` are what nanoflann asks of a result
-  explicit NearestSamples(const AngleSamples& samples) : features_(&samples.feature) { near_.reserve(most_candidates); }
+  explicit NearestSamples(const AngleSamples& samples) : features_(&samples.feature) { near_.reserve(max_candidates); }
 
   const std::vector<Neighbor>& of([[maybe_unused]] const Tree& tree, const WallFeature& query) {
     worst_ = near_.size() < neighbors ? std::numeric_limits<double>::max() : 0;
@@ -83,7 +84,7 @@ class NearestSamples {
   bool addPoint(double squared, std::size_t sample) {
     if (squared > worst_) return true;
     near_.push_back({sample, squared});
-    if (near_.size() == most_candidates) keep_nearest();
+    if (near_.size() == max_candidates) keep_nearest();
     return true;
   }
   double worstDist() const { return worst_; }
@@ -91,7 +92,7 @@ class NearestSamples {
   std::size_t size() const { return near_.size(); }
 
  private:
-  static constexpr std::size_t most_candidates = 2 * neighbors;
+  static constexpr std::size_t max_candidates = 2 * neighbors;
 
   /// So that neither rounding nor equal distances decide what is looked at.
   static double widened(double squared) { return squared * (1 + 1e-9) + 1e-9; }
@@ -168,15 +169,15 @@ Fit fit_to(const std::vector<Observation>& observations, double width2) {
 /// Returns whether that changes the weights by enough to fit again.
 bool distrust_outliers(const Fit& fit, std::vector<Observation>& observations) {
   constexpr double agrees = 0.9;
-  double most_changed = 1;
+  double max_changed = 1;
   for (Observation& o : observations) {
     const Dyad off = fit.transpose() * o.terms - o.dyad;
     const double squared = off.squaredNorm() + off.tail<3>().squaredNorm();  // entries off the diagonal stand for two
     const double share = 1 / (1 + squared / (doubtful_residual * doubtful_residual));
-    most_changed = std::min({most_changed, share / o.share, o.share / share});
+    max_changed = std::min({max_changed, share / o.share, o.share / share});
     o.share = share;
   }
-  return most_changed < agrees;
+  return max_changed < agrees;
 }
 
 /// Linear fit around the query to the samples that agree. `observations` is room to work in.
@@ -244,6 +245,7 @@ WallFeature coordinate_feature(const ventricles::HeartFrame& frame, const Vec3& 
 }
 
 std::vector<std::size_t> nearest_samples(const AngleSamples& samples, const std::vector<WallFeature>& features) {
+  HEARTGEN_EXPECTS(!samples.feature.empty());
   const FeatureCloud cloud{samples.feature};
   const Tree tree(std::tuple_size_v<WallFeature>, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   std::vector<std::size_t> result(features.size());
@@ -288,6 +290,8 @@ ShapeShares shares_of(const ShapeDifference& difference) {
 }
 
 std::vector<AngleFit> fit_local_angles(const AngleSamples& samples, const std::vector<WallFeature>& features) {
+  HEARTGEN_EXPECTS(!samples.feature.empty());
+  HEARTGEN_EXPECTS(samples.feature.size() == samples.tensor.size());
   const FeatureCloud cloud{samples.feature};
   const Tree tree(std::tuple_size_v<WallFeature>, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   const FeatureCloud wide_cloud{samples.feature, wide_place};
@@ -310,6 +314,7 @@ std::vector<AngleFit> fit_local_angles(const AngleSamples& samples, const std::v
 }
 
 AxisTensor between_fits(const std::vector<const AngleFit*>& fits, const WallFeature& feature) {
+  HEARTGEN_EXPECTS(!fits.empty());
   // Half of each fit's own slope and half of their mean one: a cubic along a line between two.
   constexpr std::size_t slopes = std::tuple_size_v<decltype(AngleFit::slope)>;
   const double share = 1 / static_cast<double>(fits.size());

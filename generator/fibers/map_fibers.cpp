@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <stdexcept>
 #include <string_view>
 
 #include "generator/fibers/atrial_rule.hpp"
@@ -21,6 +20,7 @@
 #include "generator/image/isotropic_distance.hpp"
 #include "generator/parallel/tasks.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/contract.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
@@ -62,7 +62,7 @@ std::vector<std::int32_t> chosen(const std::vector<std::uint8_t>& kind) {
 }
 
 /// Distance in the atlas from each node's warped position to the nearest voxel with a fibre.
-void set_atlas_distances(const Hearts& hearts, const NodeKinds& kinds, const std::vector<Vec3>& atlas_mm,
+void set_atlas_distances(const RegisteredPair& hearts, const NodeKinds& kinds, const std::vector<Vec3>& atlas_mm,
                          FiberResult& result) {
   Mask with_fiber(hearts.atlas.fiber.grid);
   for (std::size_t v = 0; v < with_fiber.voxels.size(); ++v)
@@ -87,7 +87,7 @@ Vec3 radial(const ventricles::HeartFrame& frame, const Vec3& point_mm) {
 
 /// Fibre axes and wall normals of the ventricles' nodes; what could not be carried is inpainted along the mesh's edges,
 /// and where the two walls are blended the axes turn evenly from the one's to the other's.
-void set_ventricles(const Hearts& hearts, const TetMesh& mesh, const NodeKinds& kinds, const PointWalls& walls,
+void set_ventricles(const RegisteredPair& hearts, const TetMesh& mesh, const NodeKinds& kinds, const PointWalls& walls,
                     std::vector<AxisTensor> axes, int iterations, NodeDirections& directions, FiberResult& result) {
   std::vector<std::uint8_t> missing(axes.size()), use(mesh.cells.size());
   for (std::size_t n = 0; n < axes.size(); ++n) {
@@ -174,13 +174,13 @@ void set_frames(const TetMesh& mesh, const NodeDirections& directions, FiberResu
 
 /// Angles between the carried axes and those of the second best method, at most 20,000 nodes evenly chosen: where two
 /// good methods disagree by much, the atlas fits badly and neither is to be trusted.
-void compare_with_second(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& nodes_mm,
+void compare_with_second(const RegisteredPair& hearts, const PointWalls& walls, const std::vector<Vec3>& nodes_mm,
                          const std::vector<Vec3>& atlas_mm, const std::vector<AxisTensor>& axes,
                          const std::string& method, FiberResult& result) {
-  constexpr std::size_t most_nodes = 20000;
+  constexpr std::size_t max_nodes = 20000;
   PointWalls chosen;
   std::vector<Vec3> points, positions, first;
-  const std::size_t step = nodes_mm.size() / most_nodes + 1;
+  const std::size_t step = nodes_mm.size() / max_nodes + 1;
   for (std::size_t n = 0; n < nodes_mm.size(); n += step) {
     if (!walls.known[n] || trace(axes[n]) <= 0) continue;
     chosen.left_share.push_back(walls.left_share[n]);
@@ -206,7 +206,7 @@ void compare_with_second(const Hearts& hearts, const PointWalls& walls, const st
   result.second_p95_deg = angles_deg[(angles_deg.size() - 1) * 95 / 100];
 }
 
-std::vector<Warning> warnings_of(const Hearts& hearts, const FiberResult& result) {
+std::vector<Warning> warnings_of(const RegisteredPair& hearts, const FiberResult& result) {
   constexpr double doubtful_deg = 5;  // beyond, the true errors averaged 11 to 24 degrees in trials on known fields
   std::vector<Warning> warnings;
   const auto warn = [&](const char* code, std::string text) {
@@ -250,12 +250,12 @@ void check_settings(const FiberSettings& settings) {
   RuleSettings::describe(check_angle, settings.rule);
 }
 
-FiberResult carry_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, const Landmarks& landmarks,
-                         const FiberAtlas& atlas, const FiberSettings& settings) {
+FiberResult map_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, const Landmarks& landmarks,
+                       const FiberAtlas& atlas, const FiberSettings& settings) {
   check_settings(settings);
-  if (mesh.region.size() != mesh.cells.size()) throw std::invalid_argument("carry_fibers: cells without regions");
+  HEARTGEN_EXPECTS(mesh.region.size() == mesh.cells.size());
   PartClock clock;
-  const Hearts hearts = prepare_hearts(patient_labels, landmarks, atlas, settings);
+  const RegisteredPair hearts = register_pair(patient_labels, landmarks, atlas, settings);
   clock.done("alignment");
   const NodeKinds kinds = node_kinds(mesh);
   const PointWalls walls = point_walls(hearts, mesh.nodes_mm, kinds.ventricle);

@@ -34,14 +34,14 @@ struct FiberResult {
   std::vector<PartTime> part_times;  ///< in the order of the work; for logs only, never cached
 };
 
-/// Throws UserError for a method that does not exist and for grids out of range; carry_fibers checks the same.
+/// Throws UserError for a method that does not exist and for grids out of range; map_fibers checks the same.
 void check_settings(const FiberSettings& settings);
 
 /// `patient_labels`: tags of labels.hpp with at least lv_myocardium, rv_myocardium, lv_blood and rv_blood.
 /// `myocardium`: nodes in the same frame; cells outside the ventricles get rule-based fibres.
 /// Throws UserError where a ventricle is missing in the labels, the atlas cannot be aligned or is mirrored, and for
 /// settings out of range.
-FiberResult carry_fibers(const TetMesh& myocardium, const LabelVolume& patient_labels, const Landmarks& landmarks,
-                         const FiberAtlas& atlas, const FiberSettings& settings);
+FiberResult map_fibers(const TetMesh& myocardium, const LabelVolume& patient_labels, const Landmarks& landmarks,
+                       const FiberAtlas& atlas, const FiberSettings& settings);
 
 }  // namespace heartgen::fibers

@@ -110,7 +110,7 @@ void check_patient_handedness(const LabelVolume& labels, const Landmarks& landma
 }
 
 /// Features of a few thousand voxels all over one of the patient's walls.
-std::vector<WallFeature> places_of_wall(const Hearts& hearts, const ventricles::WallCoordinates& wall) {
+std::vector<WallFeature> places_of_wall(const RegisteredPair& hearts, const ventricles::WallCoordinates& wall) {
   constexpr std::size_t step = 37;  // of the wall's voxels
   std::vector<WallFeature> places;
   std::size_t passed = 0;
@@ -128,7 +128,7 @@ std::vector<WallFeature> places_of_wall(const Hearts& hearts, const ventricles::
 /// that does, and would be looked up at the few places where it does. The right wall folds, at its groove and around
 /// its valves, where some mm to the side it faces elsewhere; the left one is round, and a normal within its 10 mm is a
 /// mean over some mm: it tells of the place nothing that is not known.
-ShapeShares shape_shares(const Hearts& hearts, bool left) {
+ShapeShares shape_shares(const RegisteredPair& hearts, bool left) {
   const auto places = places_of_wall(hearts, left ? hearts.patient_walls.lv : hearts.patient_walls.rv);
   if (places.empty()) return {0, 0};
   auto shares = shares_of(shape_difference(left ? hearts.by_place.lv : hearts.by_place.rv, places));
@@ -136,7 +136,7 @@ ShapeShares shape_shares(const Hearts& hearts, bool left) {
   return shares;
 }
 
-void weigh_shapes(Hearts& hearts) {
+void weigh_shapes(RegisteredPair& hearts) {
   hearts.shape_shares = {shape_shares(hearts, true), shape_shares(hearts, false)};
   for (auto* samples : {&hearts.by_place, &hearts.by_coordinates}) {
     weigh_shape(hearts.shape_shares.lv, samples->lv);
@@ -146,7 +146,7 @@ void weigh_shapes(Hearts& hearts) {
 
 /// What both hearts' walls are, and where the one lies in the other: side by side, for much of it is not threaded.
 void align(const LabelVolume& labels, const Landmarks& landmarks, const std::string& atlas_name,
-           const FiberSettings& settings, Hearts& hearts) {
+           const FiberSettings& settings, RegisteredPair& hearts) {
   check_patient_handedness(labels, landmarks, hearts.patient.frame);
   const auto centers = angle_centers(hearts.atlas.ventricles);
   Both<WallSamples> samples;
@@ -168,7 +168,7 @@ void align(const LabelVolume& labels, const Landmarks& landmarks, const std::str
   weigh_shapes(hearts);
 }
 
-double left_of_junction_at(const Hearts& hearts, const Vec3& point_mm) {
+double left_of_junction_at(const RegisteredPair& hearts, const Vec3& point_mm) {
   const Volume<float>& left_mm = hearts.left_of_junction_mm;
   return sample_linear(left_mm, index_from_lps(left_mm.grid, point_mm));
 }
@@ -222,18 +222,18 @@ Volume<float> left_of_junction(const ventricles::Ventricles& ventricles) {
   return result;
 }
 
-Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, ventricles::AtlasImage atlas,
-                      const std::string& atlas_name, const FiberSettings& settings) {
-  Hearts hearts;
+RegisteredPair register_pair(const LabelVolume& labels, const Landmarks& landmarks, ventricles::AtlasImage atlas,
+                             const std::string& atlas_name, const FiberSettings& settings) {
+  RegisteredPair hearts;
   hearts.atlas = std::move(atlas);
   hearts.patient = ventricles::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm);
   align(labels, landmarks, atlas_name, settings, hearts);
   return hearts;
 }
 
-Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, const FiberAtlas& atlas,
-                      const FiberSettings& settings) {
-  Hearts hearts;
+RegisteredPair register_pair(const LabelVolume& labels, const Landmarks& landmarks, const FiberAtlas& atlas,
+                             const FiberSettings& settings) {
+  RegisteredPair hearts;
   parallel::run_tasks(std::vector<std::function<void()>>{
       [&] { hearts.atlas = atlas::image_of_atlas(atlas, settings.depth_grid_mm); },
       [&] { hearts.patient = ventricles::ventricles_of_labels(labels, landmarks, settings.depth_grid_mm); }});
@@ -241,7 +241,7 @@ Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, con
   return hearts;
 }
 
-PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
+PointWalls point_walls(const RegisteredPair& hearts, const std::vector<Vec3>& points_mm,
                        const std::vector<std::uint8_t>& wanted) {
   const std::size_t count = points_mm.size();
   PointWalls walls{std::vector<double>(count), std::vector<std::uint8_t>(count), std::vector<WallPoint>(count),
@@ -265,7 +265,7 @@ PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
   return walls;
 }
 
-std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>& points_mm) {
+std::vector<Vec3> atlas_positions(const RegisteredPair& hearts, const std::vector<Vec3>& points_mm) {
   std::vector<Vec3> result(points_mm.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(result.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n)
@@ -274,12 +274,12 @@ std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>&
   return result;
 }
 
-WallFeature feature_in_atlas(const Hearts& hearts, bool left, const Vec3& atlas_mm, const WallPoint& at) {
+WallFeature feature_in_atlas(const RegisteredPair& hearts, bool left, const Vec3& atlas_mm, const WallPoint& at) {
   return weighed(place_feature(atlas_mm, at.depth, at.bend, hearts.registration.rotation * at.normal),
                  left ? hearts.shape_shares.lv : hearts.shape_shares.rv);
 }
 
-WallFeature feature_of(const Hearts& hearts, bool left, const std::string& method, const Vec3& point_mm,
+WallFeature feature_of(const RegisteredPair& hearts, bool left, const std::string& method, const Vec3& point_mm,
                        const Vec3& atlas_mm, const WallPoint& at) {
   if (method != "coordinates") return feature_in_atlas(hearts, left, atlas_mm, at);
   const Vec3& center = left ? hearts.patient_centers_mm.lv : hearts.patient_centers_mm.rv;
@@ -287,7 +287,7 @@ WallFeature feature_of(const Hearts& hearts, bool left, const std::string& metho
                  left ? hearts.shape_shares.lv : hearts.shape_shares.rv);
 }
 
-FittedAxes carried_axes(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
+FittedAxes carried_axes(const RegisteredPair& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
                         const std::vector<Vec3>& atlas_mm, const std::string& method) {
   if (method == "jacobian") return {push_forward(hearts.atlas, hearts.registration, points_mm), {}};
   FittedAxes carried{std::vector<AxisTensor>(points_mm.size()), {}};

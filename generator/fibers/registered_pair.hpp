@@ -19,7 +19,7 @@ struct Both {
 };
 
 /// Everything that carrying needs.
-struct Hearts {
+struct RegisteredPair {
   ventricles::Ventricles patient;
   ventricles::AtlasImage atlas;
   atlas::Registration registration;
@@ -38,10 +38,10 @@ Volume<float> left_of_junction(const ventricles::Ventricles& ventricles);
 /// `labels`: tags of labels.hpp. Throws UserError where a ventricle is missing, where the atlas has no fibres in one,
 /// is mirrored (by its helix) or cannot be aligned, and where the patient is mirrored (by the heart's own shape).
 /// `atlas_name` is for the messages. The second form makes the atlas's image, too, beside the patient's ventricles.
-Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, ventricles::AtlasImage atlas,
-                      const std::string& atlas_name, const FiberSettings& settings);
-Hearts prepare_hearts(const LabelVolume& labels, const Landmarks& landmarks, const FiberAtlas& atlas,
-                      const FiberSettings& settings);
+RegisteredPair register_pair(const LabelVolume& labels, const Landmarks& landmarks, ventricles::AtlasImage atlas,
+                             const std::string& atlas_name, const FiberSettings& settings);
+RegisteredPair register_pair(const LabelVolume& labels, const Landmarks& landmarks, const FiberAtlas& atlas,
+                             const FiberSettings& settings);
 
 /// What the walls are at a list of points.
 struct PointWalls {
@@ -51,14 +51,15 @@ struct PointWalls {
   std::vector<double> from_junction_mm;  ///< distance to where the walls meet; infinite where a point is of one alone
   const ventricles::WallPoint& main(std::size_t n) const { return left_share[n] >= 0.5 ? lv[n] : rv[n]; }
 };
-PointWalls point_walls(const Hearts& hearts, const std::vector<Vec3>& points_mm,
+PointWalls point_walls(const RegisteredPair& hearts, const std::vector<Vec3>& points_mm,
                        const std::vector<std::uint8_t>& wanted);
 
 /// Position in the atlas's frame of each point.
-std::vector<Vec3> atlas_positions(const Hearts& hearts, const std::vector<Vec3>& points_mm);
+std::vector<Vec3> atlas_positions(const RegisteredPair& hearts, const std::vector<Vec3>& points_mm);
 
 /// What a point of the patient's wall is looked up by in by_place: `atlas_mm`: its position in the atlas's frame.
-WallFeature feature_in_atlas(const Hearts& hearts, bool left, const Vec3& atlas_mm, const ventricles::WallPoint& at);
+WallFeature feature_in_atlas(const RegisteredPair& hearts, bool left, const Vec3& atlas_mm,
+                             const ventricles::WallPoint& at);
 
 /// What was fitted to the atlas at those of some points where one wall has a share.
 struct WallFits {
@@ -72,11 +73,11 @@ struct FittedAxes {
 };
 
 /// `method`: "local_angles", "coordinates" or "jacobian".
-FittedAxes carried_axes(const Hearts& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
+FittedAxes carried_axes(const RegisteredPair& hearts, const PointWalls& walls, const std::vector<Vec3>& points_mm,
                         const std::vector<Vec3>& atlas_mm, const std::string& method);
 
 /// What a point of the patient's wall is looked up by: its feature in by_coordinates or, otherwise, in by_place.
-WallFeature feature_of(const Hearts& hearts, bool left, const std::string& method, const Vec3& point_mm,
+WallFeature feature_of(const RegisteredPair& hearts, bool left, const std::string& method, const Vec3& point_mm,
                        const Vec3& atlas_mm, const ventricles::WallPoint& at);
 
 }  // namespace heartgen::fibers

@@ -55,7 +55,7 @@ void add_papillary_feet(const Wall& wall, Rows& lv_endo, Rows& rv_endo) {
 
 /// Rows on faces of the epicardium that lie in the flat cut at the base.
 Rows rows_of_cut(const Wall& wall, const ventricles::HeartFrame& frame) {
-  constexpr double near_mm = 4, least_cosine = 0.8;
+  constexpr double near_mm = 4, min_cosine = 0.8;
   const auto epicardium = *surface_from_name("epicardium");
   Rows rows;
   double highest = std::numeric_limits<double>::max();
@@ -67,7 +67,7 @@ Rows rows_of_cut(const Wall& wall, const ventricles::HeartFrame& frame) {
     if (*std::min_element(corner.begin(), corner.end()) < 0) continue;
     const Vec3 &a = wall.at(corner[0]), &b = wall.at(corner[1]), &c = wall.at(corner[2]);
     const Vec3 normal = normalized(cross(b - a, c - a));
-    if (std::abs(dot(normal, frame.base_normal)) < least_cosine) continue;
+    if (std::abs(dot(normal, frame.base_normal)) < min_cosine) continue;
     if (depth_below_base_mm(frame, (a + b + c) / 3) < highest + near_mm)
       rows.insert(rows.end(), corner.begin(), corner.end());
   }
@@ -137,9 +137,9 @@ struct SideAxes {
 
 /// Zero where the wall runs across the apex-base direction.
 SideAxes turned(const Vec3& outward, const Vec3& to_base, double helix_deg, double sheet_deg) {
-  constexpr double least_tangent = 1e-6, radians = std::numbers::pi / 180;
+  constexpr double min_tangent = 1e-6, radians = std::numbers::pi / 180;
   const Vec3 n = normalized(outward), along = to_base - dot(to_base, n) * n;
-  if (norm(along) < least_tangent) return {};
+  if (norm(along) < min_tangent) return {};
   const Vec3 up = normalized(along), around = cross(up, n);
   const double a = helix_deg * radians, b = sheet_deg * radians;
   const Vec3 fiber = math::cos(a) * around + math::sin(a) * up;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "generator/parallel/threads.hpp"
+#include "model/contract.hpp"
 
 namespace heartgen::image {
 namespace {
@@ -182,6 +183,7 @@ LevelSet signed_distance(const Mask& mask) {
 }
 
 LabelVolume nearest_label(const LabelVolume& labels, double limit_mm) {
+  HEARTGEN_EXPECTS(limit_mm >= 0);
   Field field = sites(labels, true, limit_mm);
   field.tag = labels.voxels;
   transform(field, labels.grid);

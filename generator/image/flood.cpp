@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "generator/image/box_around.hpp"
+#include "model/contract.hpp"
 
 namespace heartgen::image {
 namespace {
@@ -108,6 +109,7 @@ LabelVolume flood_from_markers(const Mask& mask, const Volume<float>& depth_mm, 
 }
 
 Volume<float> geodesic_distance(const Mask& mask, const Mask& start, double limit_mm) {
+  HEARTGEN_EXPECTS(mask.grid == start.grid);
   const Grid& grid = mask.grid;
   Volume<float> distance(grid, std::numeric_limits<float>::infinity());
   using Entry = std::pair<float, std::int64_t>;

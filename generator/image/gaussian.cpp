@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "generator/parallel/threads.hpp"
+#include "model/contract.hpp"
 #include "model/mathematics.hpp"
 
 namespace heartgen::image {
@@ -58,6 +59,7 @@ void sum_rows(const Volume<float>& in, Volume<float>& out, std::int64_t j, std::
 }  // namespace
 
 Volume<float> gaussian(const Volume<float>& image, double sigma_mm) {
+  HEARTGEN_EXPECTS(sigma_mm >= 0);
   Volume<float> now = image;
   Volume<float> next(image.grid);
   const std::int64_t nx = image.grid.size[0], ny = image.grid.size[1], nz = image.grid.size[2];

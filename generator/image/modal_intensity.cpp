@@ -5,7 +5,7 @@
 
 namespace heartgen::image {
 
-double typical_grey(std::vector<float>& values, double width_hu) {
+double modal_intensity(std::vector<float>& values, double width_hu) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   std::size_t begin = 0, end = 0, first = 0, most = 0;

@@ -7,13 +7,14 @@
 #include "generator/image/box_around.hpp"
 #include "generator/image/distance.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/contract.hpp"
 
 namespace heartgen::image {
 namespace {
 
-constexpr std::uint8_t far = 255;        // voxels along a row
-constexpr std::int64_t most_rows = 250;  // of a ball, beyond which a distance transform is quicker
-constexpr double rounding_mm = 1e-4;     // distances are floats: a ball reaches the voxels exactly at its radius
+constexpr std::uint8_t far = 255;       // voxels along a row
+constexpr std::int64_t max_rows = 250;  // of a ball, beyond which a distance transform is quicker
+constexpr double rounding_mm = 1e-4;    // distances are floats: a ball reaches the voxels exactly at its radius
 
 Mask inverse(const Mask& mask) {
   Mask result(mask.grid);
@@ -23,6 +24,7 @@ Mask inverse(const Mask& mask) {
 
 template <class Rule>
 Mask combine(const Mask& a, const Mask& b, Rule rule) {
+  HEARTGEN_EXPECTS(a.grid == b.grid);
   Mask result(a.grid);
   for (std::size_t v = 0; v < a.voxels.size(); ++v) result.voxels[v] = rule(a.voxels[v] != 0, b.voxels[v] != 0);
   return result;
@@ -113,8 +115,8 @@ Mask dilate_by_rows(const Mask& mask, double radius_mm) {
 
 Mask dilate_whole(const Mask& mask, double radius_mm) {
   const Index3 reach = ball_reach(mask.grid, radius_mm);
-  return reach[0] < far && (2 * reach[1] + 1) * (2 * reach[2] + 1) <= most_rows ? dilate_by_rows(mask, radius_mm)
-                                                                                : dilate_by_distance(mask, radius_mm);
+  return reach[0] < far && (2 * reach[1] + 1) * (2 * reach[2] + 1) <= max_rows ? dilate_by_rows(mask, radius_mm)
+                                                                               : dilate_by_distance(mask, radius_mm);
 }
 
 Box box_of(const Mask& mask, const Index3& margin) {
@@ -130,11 +132,13 @@ Box box_of(const Mask& mask, const Index3& margin) {
 }  // namespace
 
 Mask dilate(const Mask& mask, double radius_mm) {
+  HEARTGEN_EXPECTS(radius_mm >= 0);
   const Box box = box_of(mask, ball_reach(mask.grid, radius_mm));  // beyond it nothing is reached
   return box.empty() ? Mask(mask.grid) : pasted(mask.grid, dilate_whole(crop(mask, box), radius_mm), box);
 }
 
 Mask erode(const Mask& mask, double radius_mm) {
+  HEARTGEN_EXPECTS(radius_mm >= 0);
   const Box box = box_of(mask, {1, 1, 1});  // an unset voxel farther out has one in the margin that is nearer
   if (box.empty()) return Mask(mask.grid);
   return pasted(mask.grid, inverse(dilate_whole(inverse(crop(mask, box)), radius_mm)), box);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/contract.hpp"
 #include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
@@ -34,10 +35,13 @@ void rotate(Mat3& m, Mat3& v, int p, int q) {
 }  // namespace
 
 double quantile(std::vector<float>& values, double fraction) {
+  HEARTGEN_EXPECTS(fraction >= 0 && fraction <= 1);
   return values.empty() ? 0 : static_cast<double>(heartgen::quantile(values, fraction));
 }
 
 TwoLevels two_medians(std::vector<float>& values, double low_quantile, double high_quantile) {
+  HEARTGEN_EXPECTS(!values.empty());
+  HEARTGEN_EXPECTS(low_quantile <= high_quantile);
   constexpr int max_steps = 80;  // each step moves the threshold one way only: a handful are needed
   std::sort(values.begin(), values.end());
   const auto value_at = [&](double index) { return static_cast<double>(values[static_cast<std::size_t>(index)]); };
@@ -63,6 +67,7 @@ Vec3 mean(const std::vector<Vec3>& points) {
 }
 
 PrincipalAxes principal_axes(const std::vector<Vec3>& points) {
+  HEARTGEN_EXPECTS(!points.empty());
   const Vec3 centre = mean(points);
   Mat3 moment{{Vec3{}, Vec3{}, Vec3{}}}, turn;
   for (const Vec3& p : points)

@@ -9,8 +9,8 @@
 
 namespace heartgen::labels {
 
-constexpr double far_more = 2;     ///< as much contact as with the right neighbour, before it is a mistake
-constexpr double least_mm2 = 100;  ///< less than the smallest valve
+constexpr double far_more = 2;   ///< as much contact as with the right neighbour, before it is a mistake
+constexpr double min_mm2 = 100;  ///< less than the smallest valve
 
 /// Areas over which voxels of two regions touch.
 struct Contacts {
@@ -35,7 +35,7 @@ struct Contacts {
   }
   /// Whether `region` touches `wrong` as it should touch `right`, which is there.
   bool prefers(Region region, Region wrong, Region right) const {
-    return is_there[tag(right)] && of(region, wrong) > least_mm2 && of(region, wrong) > far_more * of(region, right);
+    return is_there[tag(right)] && of(region, wrong) > min_mm2 && of(region, wrong) > far_more * of(region, right);
   }
 };
 

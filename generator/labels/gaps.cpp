@@ -58,13 +58,13 @@ std::optional<double> muscle_of(const Scene& scene) {
 }
 
 /// The grey value midway between a pair's blood and muscle; none where the CT does not tell them apart.
-std::optional<double> least_blood_hu(const Scene& scene, const ValvePair& pair) {
-  constexpr double least_contrast_hu = 60;
+std::optional<double> min_blood_hu(const Scene& scene, const ValvePair& pair) {
+  constexpr double min_contrast_hu = 60;
   if (scene.ct.voxels.empty()) return std::nullopt;
   const auto blood = median_hu(scene.ct, [&](std::size_t v) {
     return scene.chambers.voxels[v] == tag(pair.from) || scene.chambers.voxels[v] == tag(pair.to);
   });
-  if (!blood || *blood - scene.muscle_hu < least_contrast_hu) return std::nullopt;
+  if (!blood || *blood - scene.muscle_hu < min_contrast_hu) return std::nullopt;
   return 0.5 * (*blood + scene.muscle_hu);
 }
 
@@ -107,11 +107,11 @@ Volume<float> width_between(const Volume<float>& from, const Volume<float>& to) 
 }
 
 /// How far apart a pair may be at a voxel for that to be a gap; none where the valve is open, or the pair is far apart.
-std::optional<double> most_width_mm(const Scene& scene, const Volume<float>& width, bool is_seen) {
+std::optional<double> max_width_mm(const Scene& scene, const Volume<float>& width, bool is_seen) {
   const double voxel_mm = coarsest_mm(scene.chambers.grid), gap_mm = (gap_voxels + 1) * voxel_mm;
   const auto narrowest = static_cast<double>(*std::min_element(width.voxels.begin(), width.voxels.end()));
-  const double most_mm = is_seen ? std::max(bright_gap_mm, gap_mm) : std::min(gap_mm, narrowest + voxel_mm);
-  return narrowest <= most_mm ? std::optional(most_mm) : std::nullopt;
+  const double max_mm = is_seen ? std::max(bright_gap_mm, gap_mm) : std::min(gap_mm, narrowest + voxel_mm);
+  return narrowest <= max_mm ? std::optional(max_mm) : std::nullopt;
 }
 
 void close_gap(Scene& scene, const ValvePair& pair) {
@@ -119,15 +119,15 @@ void close_gap(Scene& scene, const ValvePair& pair) {
   const auto from = image::distance_to(mask_of(scene.chambers, pair.from));
   const auto to = image::distance_to(mask_of(scene.chambers, pair.to));
   const auto width = width_between(from, to);
-  const auto blood_hu = least_blood_hu(scene, pair);
-  const auto most_mm = most_width_mm(scene, width, blood_hu.has_value());
-  if (!most_mm) return;
+  const auto blood_hu = min_blood_hu(scene, pair);
+  const auto max_mm = max_width_mm(scene, width, blood_hu.has_value());
+  if (!max_mm) return;
   Mask between(scene.chambers.grid);
   for (std::size_t v = 0; v < between.voxels.size(); ++v) {
     const auto given = scene.given.voxels[v];
     const bool is_free = scene.chambers.voxels[v] == 0 && (given == 0 || given == tag(Region::torso));
     const bool is_blood_there = !blood_hu || scene.ct.voxels[v] >= *blood_hu;
-    between.voxels[v] = is_free && is_blood_there && static_cast<double>(width.voxels[v]) <= *most_mm;
+    between.voxels[v] = is_free && is_blood_there && static_cast<double>(width.voxels[v]) <= *max_mm;
   }
   const Mask bridges = bridges_of(between, scene.chambers, pair);
   for (std::size_t v = 0; v < bridges.voxels.size(); ++v)

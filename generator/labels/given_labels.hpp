@@ -67,6 +67,6 @@ LabelVolume near_heart(LabelVolume chambers, double reach_mm);
 
 /// Walls without an image: what lies within the recipe's least thickness of a chamber (of which it is nearer than of
 /// other blood) and touches it, beside the walls that are given.
-LabelVolume least_walls(const LabelVolume& chambers, const LabelVolume& given, const EpicardiumSettings& settings);
+LabelVolume min_walls(const LabelVolume& chambers, const LabelVolume& given, const EpicardiumSettings& settings);
 
 }  // namespace heartgen::labels

@@ -78,7 +78,7 @@ Warning warning_of(std::uint8_t label, const Lost& lost, double voxel_mm3) {
 }
 
 /// The label, another one than their own, that each piece shares most area with.
-std::vector<std::uint8_t> most_touched(const LabelVolume& labels, const Pieces& pieces) {
+std::vector<std::uint8_t> max_touched(const LabelVolume& labels, const Pieces& pieces) {
   const auto& size = labels.grid.size;
   const Vec3& s = labels.grid.spacing_mm;
   const std::array<double, 3> area{s.y * s.z, s.x * s.z, s.x * s.y};
@@ -116,7 +116,7 @@ double absorb_crumbs_of(LabelVolume& labels, const Pieces& pieces, double limit_
   bool any = false;
   for (std::int32_t piece = 1; piece < std::ssize(pieces.parts.voxel_count); ++piece) any |= is_crumb(piece);
   if (!any) return 0;
-  const auto others = most_touched(labels, pieces);
+  const auto others = max_touched(labels, pieces);
   double changed = 0;
   for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
     const auto piece = pieces.parts.label.voxels[v];

@@ -111,11 +111,11 @@ void refuse_bright_wall(const LabelVolume& labels, const CtVolume& ct, const std
 }  // namespace
 
 bool looks_like_heart(const LabelVolume& labels) {
-  constexpr double least_share = 0.4;  // of the blood's surface; valves and papillary muscle take the rest
+  constexpr double min_share = 0.4;  // of the blood's surface; valves and papillary muscle take the rest
   using enum Region;
   const auto contacts = contacts_in(labels);
   const double all = contacts.all(lv_blood), wall = contacts.of(lv_blood, lv_myocardium);
-  return all > 0 && wall + contacts.of(lv_blood, papillary) > least_share * all && wall > 0 &&
+  return all > 0 && wall + contacts.of(lv_blood, papillary) > min_share * all && wall > 0 &&
          mismatch_in(volumes_ml(labels)) == nullptr && !is_exchanged(labels);
 }
 

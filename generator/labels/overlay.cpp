@@ -24,7 +24,7 @@ Mask mask_where(const LabelVolume& labels, Rule rule) {
 /// A chamber, its wall, and how thick that is at least.
 struct Wall {
   Region blood, wall;
-  double least_mm;
+  double min_mm;
 };
 
 std::array<Wall, 4> walls_of(const EpicardiumSettings& settings) {
@@ -130,7 +130,7 @@ LabelVolume near_heart(LabelVolume chambers, double reach_mm) {
   return chambers;
 }
 
-LabelVolume least_walls(const LabelVolume& chambers, const LabelVolume& given, const EpicardiumSettings& settings) {
+LabelVolume min_walls(const LabelVolume& chambers, const LabelVolume& given, const EpicardiumSettings& settings) {
   const LabelVolume nearest = image::nearest_label(chambers, 1e9);
   LabelVolume walls(chambers.grid);
   for (const Wall& wall : walls_of(settings)) {
@@ -139,7 +139,7 @@ LabelVolume least_walls(const LabelVolume& chambers, const LabelVolume& given, c
     const auto distance = image::distance_to(blood);
     const Mask contact = touching(blood);
     for (std::size_t v = 0; v < walls.voxels.size(); ++v) {
-      const bool close = static_cast<double>(distance.voxels[v]) <= wall.least_mm || contact.voxels[v] != 0;
+      const bool close = static_cast<double>(distance.voxels[v]) <= wall.min_mm || contact.voxels[v] != 0;
       if (close && chambers.voxels[v] == 0 && nearest.voxels[v] == tag(wall.blood)) walls.voxels[v] = tag(wall.wall);
     }
   }

@@ -38,14 +38,14 @@ std::optional<Vec3> middle_of(const LabelVolume& labels, Region region) {
 
 /// Whether points lie on a line, or nearly: then rotation about it is open.
 bool on_one_line(const std::vector<CommonMark>& marks) {
-  constexpr double least_width_mm = 5;
+  constexpr double min_width_mm = 5;
   const Vec3 start = marks[0].heart_mm;
   Vec3 along;
   for (const auto& mark : marks)
     if (norm(mark.heart_mm - start) > norm(along)) along = mark.heart_mm - start;
   const Vec3 way = normalized(along);
   return std::all_of(marks.begin(), marks.end(),
-                     [&](const CommonMark& mark) { return norm(cross(way, mark.heart_mm - start)) < least_width_mm; });
+                     [&](const CommonMark& mark) { return norm(cross(way, mark.heart_mm - start)) < min_width_mm; });
 }
 
 /// Corners of a grid's field of view.
@@ -155,8 +155,8 @@ PlacedHeart place_heart(const LabelVolume& heart, const LabelVolume& torso, cons
   if (count == 0) throw UserError("has no region of a heart", "heart's label map", "give the labels of a heart");
   placed.outside_share = outside / count;
   placed.bone_share = bone / count;
-  constexpr double most_outside = 0.1;
-  if (placed.outside_share > most_outside)
+  constexpr double max_outside = 0.1;
+  if (placed.outside_share > max_outside)
     throw UserError(fmt::format("{:.0f} % of the heart would lie outside the torso", 100 * placed.outside_share),
                     "torso", "check the landmarks of both, or let the torso's size follow with --scale");
   return placed;

@@ -32,7 +32,7 @@ double middle_x_mm(const LabelVolume& labels, Region region) {
 double thickness_mm(const LabelVolume& labels, const Contacts& contacts, Region wall, Region blood) {
   const auto voxels = std::count(labels.voxels.begin(), labels.voxels.end(), tag(wall));
   const double area = contacts.of(wall, blood);
-  return area > least_mm2 ? static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / area : 0;
+  return area > min_mm2 ? static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / area : 0;
 }
 
 /// Either alone may be a disease, or a heart on the right.
@@ -49,12 +49,12 @@ bool is_thin_and_right(const LabelVolume& labels, const Contacts& contacts) {
 
 void refuse_exchanged_regions(const LabelVolume& labels, const std::string& path) {
   const Contacts c = contacts_in(labels);
-  const auto refuse_where = [&](bool exchanged, const char* one, const char* other, const char* why) {
-    if (exchanged)
+  const auto refuse_where = [&](bool swapped, const char* one, const char* other, const char* why) {
+    if (swapped)
       throw UserError(fmt::format("{} and {} seem to be exchanged: {}", one, other, why), path,
                       "correct the label map, labels.preset or [labels.regions]");
   };
-  refuse_where(c.outside(lv_blood) > least_mm2 + far_more * c.outside(lv_myocardium) && c.is_there[tag(lv_myocardium)],
+  refuse_where(c.outside(lv_blood) > min_mm2 + far_more * c.outside(lv_myocardium) && c.is_there[tag(lv_myocardium)],
                "lv_blood", "lv_myocardium", "the blood lies around the wall");
   refuse_where(c.prefers(lv_myocardium, la_blood, lv_blood), "lv_blood", "la_blood",
                "lv_myocardium lies around la_blood");

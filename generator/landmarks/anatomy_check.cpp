@@ -92,18 +92,18 @@ void check_ratios(const Findings& findings, Report& report) {
 
 /// The left ventricle's wall is muscle; a vertebra's is bone.
 void check_left_wall(const Findings& findings, Report& report) {
-  constexpr double most_bone = 0.03, bone_keeps = 0.2, least_muscle = 0.45;
-  if (findings.left_wall.bone > most_bone)
+  constexpr double max_bone = 0.03, bone_keeps = 0.2, min_muscle = 0.45;
+  if (findings.left_wall.bone > max_bone)
     report.warn(bone_keeps, fmt::format("{:.0f} % of what lies around the left ventricle is as bright as bone",
                                         100 * findings.left_wall.bone));
-  if (findings.left_wall.muscle < least_muscle)
+  if (findings.left_wall.muscle < min_muscle)
     report.warn(severe, fmt::format("only {:.0f} % of what lies around the left ventricle is as grey as muscle",
                                     100 * findings.left_wall.muscle));
 }
 
 void check_field_of_view(const FoundLandmarks& found, Report& report) {
-  constexpr double most_cm2 = 3;  // the tip
-  if (found.ventricles_cut_cm2 > most_cm2)
+  constexpr double max_cm2 = 3;  // the tip
+  if (found.ventricles_cut_cm2 > max_cm2)
     report.warn(severe, fmt::format("the field of view cuts the ventricles, over {:.0f} cm2: use a scan that shows the "
                                     "whole heart",
                                     found.ventricles_cut_cm2));
@@ -127,7 +127,7 @@ void check_contrast(const Findings& findings, Report& report) {
 }
 
 void check_valve_shapes(const Findings& findings, Report& report) {
-  constexpr double most_uneven_mm = 3.5, least_share = 0.8;
+  constexpr double max_uneven_mm = 3.5, min_share = 0.8;
   for (const Range& range : diameter_ranges_mm) {
     if (!has_right_heart(findings) && is_of_right_heart(range.name)) continue;
     const auto at = findings.valves.find(range.name);
@@ -139,14 +139,14 @@ void check_valve_shapes(const Findings& findings, Report& report) {
     if (valve.diameter_mm < range.low || valve.diameter_mm > range.high)
       report.warn(minor, fmt::format("the {} valve is {:.0f} mm wide, expected {:.0f} to {:.0f}", range.name,
                                      valve.diameter_mm, range.low, range.high));
-    if (valve.uneven_mm > most_uneven_mm)
+    if (valve.uneven_mm > max_uneven_mm)
       report.warn(minor,
                   fmt::format("the {} valve is not flat ({:.1f} mm off its plane)", range.name, valve.uneven_mm));
     if (valve.hidden)
       report.warn(minor, fmt::format("noise hides the {} valve: its plane follows the shape of the heart and may be "
                                      "10 mm and 15 degrees off",
                                      range.name));
-    if (valve.share < least_share) report.warn(minor, fmt::format("the {} valve is in pieces", range.name));
+    if (valve.share < min_share) report.warn(minor, fmt::format("the {} valve is in pieces", range.name));
   }
 }
 

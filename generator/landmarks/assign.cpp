@@ -10,10 +10,10 @@
 namespace heartgen::landmarks {
 namespace {
 
-constexpr double narrowest_mm = 2.5;          // two voxels: less may be partial volume
-constexpr double least_relative_width = 0.3;  // valves are wider, breaks in a wall narrower
-constexpr double largest_vein_ml = 15;        // the left atrium takes in its veins, not another chamber
-constexpr double grey_tolerance = 0.2;        // relative difference at which a way counts half
+constexpr double narrowest_mm = 2.5;        // two voxels: less may be partial volume
+constexpr double min_relative_width = 0.3;  // valves are wider, breaks in a wall narrower
+constexpr double largest_vein_ml = 15;      // the left atrium takes in its veins, not another chamber
+constexpr double grey_tolerance = 0.2;      // relative difference at which a way counts half
 
 /// Volume-weighted mean grey value of the seed basins of each chamber.
 std::map<Region, double> seed_grey(const Pools& pools, const Assignment& seeds, const LeftHeart& left) {
@@ -55,7 +55,7 @@ struct Step {
 
 std::int32_t find_right_heart(const Basins& basins, const Pools& pools, const LeftHeart& left) {
   constexpr double nearest_mm = 4.5, farthest_mm = 17;  // the septum, thin to thick
-  constexpr double reach_mm = 80, least_depth_mm = 6, least_ml = 4;
+  constexpr double reach_mm = 80, min_depth_mm = 6, min_ml = 4;
   const auto is_ventricle = [&](std::int32_t label) {
     return std::find(left.ventricle.begin(), left.ventricle.end(), label) != left.ventricle.end();
   };
@@ -67,12 +67,12 @@ std::int32_t find_right_heart(const Basins& basins, const Pools& pools, const Le
     if (distance.voxels[v] > nearest_mm && distance.voxels[v] < farthest_mm)
       ++across[static_cast<std::size_t>(basins.label.voxels[v])];
   std::int32_t best = 0;
-  double most = least_ml;
+  double most = min_ml;
   for (const auto& [label, pool] : pools) {
     const auto& tail = left.descending_aorta;
     if (is_ventricle(label) || label == left.atrium || label == left.aorta ||
         std::find(tail.begin(), tail.end(), label) != tail.end() || pool.front_mm <= pools.at(left.atrium).front_mm ||
-        pool.from_heart_mm >= reach_mm || pool.depth_mm <= least_depth_mm)
+        pool.from_heart_mm >= reach_mm || pool.depth_mm <= min_depth_mm)
       continue;
     const double ml =
         static_cast<double>(across[static_cast<std::size_t>(label)]) * basins.label.grid.voxel_volume_mm3() / 1000;
@@ -110,7 +110,7 @@ Assignment assign_basins(const Basins& basins, const Pools& pools, const LeftHea
     steps.pop();
     const Region region = assigned.at(step.from);
     const bool too_narrow = basins.width(step.from, step.to) < narrowest_mm ||
-                            relative_width(basins, pools, step.from, step.to) < least_relative_width;
+                            relative_width(basins, pools, step.from, step.to) < min_relative_width;
     const bool not_a_vein = region == Region::la_blood && pools.at(step.to).volume_ml > largest_vein_ml;
     if (assigned.contains(step.to) || too_narrow || region == Region::lv_blood || not_a_vein) continue;
     assigned[step.to] = region;

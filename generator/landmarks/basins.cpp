@@ -10,7 +10,7 @@ namespace heartgen::landmarks {
 namespace {
 
 constexpr float shallow_mm = 4;           // peaks below are no chamber and no great vessel: they join what they meet
-constexpr float least_drop_mm = 0.75;     // half a voxel: below is the noise of a distance on a grid
+constexpr float min_drop_mm = 0.75;       // half a voxel: below is the noise of a distance on a grid
 constexpr float join_above_ratio = 0.88;  // way / narrower basin. Valves: 0.5 to 0.8; trabeculated chambers: above 0.9
 
 /// Union-find over basins; the root is the one with the highest peak.
@@ -38,7 +38,7 @@ struct Forest {
     if (a == b) return;
     if (peak[static_cast<std::size_t>(a)] < peak[static_cast<std::size_t>(b)]) std::swap(a, b);
     const float lower = peak[static_cast<std::size_t>(b)];
-    if (lower <= shallow_mm || lower - saddle < least_drop_mm || saddle > join_above_ratio * lower)
+    if (lower <= shallow_mm || lower - saddle < min_drop_mm || saddle > join_above_ratio * lower)
       parent[static_cast<std::size_t>(b)] = a;
   }
 };

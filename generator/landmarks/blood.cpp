@@ -13,11 +13,11 @@
 namespace heartgen::landmarks {
 namespace {
 
-constexpr int reach_voxels = 4;             // 6 mm: from the middle of a thin wall to blood on both of its sides
-constexpr double local_sigma_mm = 1.5;      // noise does not decide the local contrast
-constexpr double over_blood = 1.05;         // streaks brighter than the left heart's blood do not raise the threshold
-constexpr double least_above_soft_hu = 45;  // noise of muscle stays below
-constexpr double weak_contrast_hu = 60;     // bright threshold this near to soft tissue: contrast is weak
+constexpr int reach_voxels = 4;           // 6 mm: from the middle of a thin wall to blood on both of its sides
+constexpr double local_sigma_mm = 1.5;    // noise does not decide the local contrast
+constexpr double over_blood = 1.05;       // streaks brighter than the left heart's blood do not raise the threshold
+constexpr double min_above_soft_hu = 45;  // noise of muscle stays below
+constexpr double weak_contrast_hu = 60;   // bright threshold this near to soft tissue: contrast is weak
 constexpr double strong_contrast_floor_hu = 120;
 
 /// Maximum over each row window of half width 0 to reach_voxels.
@@ -72,7 +72,7 @@ Mask local_blood(const WorkingImage& image, const Contrast& contrast, double fra
   return mask_where(image.smooth.grid, [&](const Vec3&, std::size_t v) {
     const double brightest = std::min(static_cast<double>(local.voxels[v]), over_blood * contrast.blood_hu);
     const double threshold = std::min(std::max(soft + fraction * (brightest - soft), floor), ceiling);
-    return static_cast<double>(image.smooth.voxels[v]) > std::max(threshold, soft + least_above_soft_hu);
+    return static_cast<double>(image.smooth.voxels[v]) > std::max(threshold, soft + min_above_soft_hu);
   });
 }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double unenhanced_hu = 120;       // blood without contrast (45), liver and muscle with it (up to 110)
 constexpr double late_phase_hu = 130;       // little contrast, or little of it in a large body: just above heart muscle
 constexpr double deep_mm = 4;               // deeper than ribs and small vessels reach
-constexpr double least_deep_blood_ml = 40;  // half of a small left ventricle
+constexpr double min_deep_blood_ml = 40;    // half of a small left ventricle
 constexpr double spine_reach_mm = 25;       // in front of the vertebral centre
 constexpr double metal_or_streak_hu = 600;  // denser than opacified left-heart blood: undiluted contrast
 constexpr double brightest_muscle_hu = 160;
@@ -45,9 +45,9 @@ Contrast measure_contrast(const WorkingImage& image, const Mask& chest, const Sp
     if (hu > bright_hu && depth.voxels[v] > deep_mm && !spine_or_ribs) deep.push_back(smooth[v]);
   });
   const double deep_ml = static_cast<double>(deep.size()) * grid.voxel_volume_mm3() / 1000;
-  if (deep_ml < least_deep_blood_ml && bright_hu > late_phase_hu)
+  if (deep_ml < min_deep_blood_ml && bright_hu > late_phase_hu)
     return measure_contrast(image, chest, spine, late_phase_hu);
-  if (deep_ml < least_deep_blood_ml)
+  if (deep_ml < min_deep_blood_ml)
     throw UserError(fmt::format("the blood in the heart is not brighter than its muscle: only {:.0f} ml between the "
                                 "lungs are above {:.0f} HU",
                                 deep_ml, bright_hu),

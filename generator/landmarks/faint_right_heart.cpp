@@ -11,11 +11,11 @@
 namespace heartgen::landmarks {
 namespace {
 
-constexpr double reach_mm = 15;         // beyond the septum: where most of the right ventricle lies
-constexpr double least_depth_mm = 6;    // of the right ventricle, its walls taken off
-constexpr double largest_ml = 500;      // the liver is larger
-constexpr double least_relative = 0.3;  // way between two parts of the right heart / the narrower of the two
-constexpr double least_width_mm = 3;
+constexpr double reach_mm = 15;       // beyond the septum: where most of the right ventricle lies
+constexpr double min_depth_mm = 6;    // of the right ventricle, its walls taken off
+constexpr double largest_ml = 500;    // the liver is larger
+constexpr double min_relative = 0.3;  // way between two parts of the right heart / the narrower of the two
+constexpr double min_width_mm = 3;
 constexpr double near_mm = 6;         // walls, and blood beyond what usual walls leave
 constexpr double below_heart_mm = 5;  // the centre of no part of the heart lies lower than its lowest blood
 
@@ -57,7 +57,7 @@ std::vector<std::uint8_t> right_spaces(const Basins& basins, const std::vector<S
   std::vector<std::uint8_t> chosen(spaces.size(), 0);
   std::size_t start = 0;
   for (std::size_t n = 1; n < spaces.size(); ++n)
-    if (may_be_heart(spaces[n], lowest_mm) && spaces[n].depth_mm > least_depth_mm &&
+    if (may_be_heart(spaces[n], lowest_mm) && spaces[n].depth_mm > min_depth_mm &&
         spaces[n].across_septum_ml > spaces[start].across_septum_ml * (start != 0))
       start = n;
   if (start == 0) return {};
@@ -66,10 +66,10 @@ std::vector<std::uint8_t> right_spaces(const Basins& basins, const std::vector<S
     grown = false;
     for (const auto& [pair, contact] : basins.contacts) {
       const auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
-      if (chosen[a] == chosen[b] || contact.width_mm < least_width_mm) continue;
+      if (chosen[a] == chosen[b] || contact.width_mm < min_width_mm) continue;
       const double narrower = std::min(spaces[a].depth_mm, spaces[b].depth_mm);
       const std::size_t next = chosen[a] ? b : a;
-      if (contact.width_mm < least_relative * narrower || !may_be_heart(spaces[next], lowest_mm)) continue;
+      if (contact.width_mm < min_relative * narrower || !may_be_heart(spaces[next], lowest_mm)) continue;
       chosen[next] = 1;
       grown = true;
     }
@@ -93,7 +93,7 @@ std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, cons
   const Mask thin =
       mask_where(grid, [&](const Vec3& p, std::size_t) { return dot(p - axis.base_mm, axis.direction) < 0; });
   const auto walls = anatomy::measure_walls(image.hu, lv, other, muscle_hu);
-  const auto inside = anatomy::usual_cavity(walls, thin);
+  const auto inside = anatomy::prior_cavity(walls, thin);
   const auto basins = divide_at_constrictions(
       mask_where(grid, [&](const Vec3&, std::size_t v) { return region.voxels[v] && inside.voxels[v] > 0; }));
   const auto chosen = right_spaces(basins, measure_spaces(basins, walls), lowest_z_mm(chambers));

@@ -141,12 +141,12 @@ void refuse_upside_down(const std::map<std::string, ValvePatch>& valves) {
 
 /// By how much the header turns the image against the body's axes, in degrees; 0 for any order of the axes.
 double slant_deg(const Mat3& direction) {
-  double least_cosine = 1;
+  double min_cosine = 1;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 way = transposed(direction)[axis];
-    least_cosine = std::min(least_cosine, std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)}));
+    min_cosine = std::min(min_cosine, std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)}));
   }
-  return math::acos(least_cosine) * 180 / std::numbers::pi;
+  return math::acos(min_cosine) * 180 / std::numbers::pi;
 }
 
 /// What is searched, and how far its frame can be trusted.
@@ -267,9 +267,9 @@ constexpr const char* by_hand = "give the seeds lv_blood, la_blood, rv_blood, ra
 // A slanted header or a small field of view may be true, and may be the mistake behind whatever does not look like a
 // heart.
 SearchResult search(const CtVolume& ct) {
-  constexpr double least_slant_deg = 10;  // patients lie as crooked as that
+  constexpr double min_slant_deg = 10;  // patients lie as crooked as that
   const double slant = slant_deg(ct.grid.direction);
-  const bool slanted = slant >= least_slant_deg;
+  const bool slanted = slant >= min_slant_deg;
   bool back_is_cut = false;
   try {
     Subject subject = make_subject(ct);

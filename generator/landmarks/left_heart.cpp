@@ -20,13 +20,13 @@ double ventricle_score(const Pool& pool) {
 }
 
 bool may_be_ventricle(const Pool& pool) {
-  constexpr double least_ml = 8, least_depth_mm = 7, farthest_mm = 75, most_fat = 0.45, least_front_mm = 35;
-  return pool.volume_ml > least_ml && pool.depth_mm > least_depth_mm && pool.from_heart_mm < farthest_mm &&
-         pool.fat_or_air_share < most_fat && pool.front_mm > least_front_mm;
+  constexpr double min_ml = 8, min_depth_mm = 7, farthest_mm = 75, max_fat = 0.45, min_front_mm = 35;
+  return pool.volume_ml > min_ml && pool.depth_mm > min_depth_mm && pool.from_heart_mm < farthest_mm &&
+         pool.fat_or_air_share < max_fat && pool.front_mm > min_front_mm;
 }
 
 std::vector<std::int32_t> candidates_by_score(const Pools& pools) {
-  constexpr double least_muscle_share = 0.3;
+  constexpr double min_muscle_share = 0.3;
   std::vector<std::int32_t> candidates;
   double best_share = 0;
   for (const auto& [label, pool] : pools) {
@@ -34,7 +34,7 @@ std::vector<std::int32_t> candidates_by_score(const Pools& pools) {
     candidates.push_back(label);
     best_share = std::max(best_share, pool.muscle_share);
   }
-  if (best_share < least_muscle_share)
+  if (best_share < min_muscle_share)
     throw NotAHeart("no pool of bright blood with a wall of muscle is left of the spine",
                     "check that the image is not mirrored and that there is contrast in the left ventricle");
   std::stable_sort(candidates.begin(), candidates.end(), [&](std::int32_t a, std::int32_t b) {
@@ -56,13 +56,13 @@ double widest(const Basins& basins, const std::vector<std::int32_t>& ventricle, 
 
 /// Adds muscular basins that hang together with the main one: an apex behind large papillary muscles.
 void grow_ventricle(const Basins& basins, const Pools& pools, std::vector<std::int32_t>& ventricle) {
-  constexpr double least_muscle_share = 0.5, least_relative_width = 0.55;
+  constexpr double min_muscle_share = 0.5, min_relative_width = 0.55;
   for (bool grown = true; grown;) {
     grown = false;
     for (const auto& [label, pool] : pools) {
-      if (contains(ventricle, label) || pool.muscle_share < least_muscle_share || pool.left_mm < 0) continue;
+      if (contains(ventricle, label) || pool.muscle_share < min_muscle_share || pool.left_mm < 0) continue;
       const bool attached = std::any_of(ventricle.begin(), ventricle.end(), [&, l = label](std::int32_t part) {
-        return relative_width(basins, pools, l, part) > least_relative_width;
+        return relative_width(basins, pools, l, part) > min_relative_width;
       });
       if (!attached) continue;
       ventricle.push_back(label);
@@ -80,7 +80,7 @@ struct Group {
 
 Group group_around(const Basins& basins, const Pools& pools, const std::vector<std::int32_t>& ventricle,
                    std::int32_t label) {
-  constexpr double least_relative_width = 0.8;
+  constexpr double min_relative_width = 0.8;
   Group group{{label}, 0, pools.at(label).top_mm};
   for (std::size_t n = 0; n < group.members.size(); ++n) {
     const Pool& pool = pools.at(group.members[n]);
@@ -88,7 +88,7 @@ Group group_around(const Basins& basins, const Pools& pools, const std::vector<s
     group.top_mm = std::max(group.top_mm, pool.top_mm);
     for (const auto& [other, ignored] : pools)
       if (!contains(ventricle, other) && !contains(group.members, other) &&
-          relative_width(basins, pools, group.members[n], other) > least_relative_width)
+          relative_width(basins, pools, group.members[n], other) > min_relative_width)
         group.members.push_back(other);
   }
   return group;
@@ -97,12 +97,12 @@ Group group_around(const Basins& basins, const Pools& pools, const std::vector<s
 /// The two large neighbours with the widest ways into the ventricle; fewer where there are fewer.
 std::vector<std::int32_t> neighbours_of_ventricle(const Basins& basins, const Pools& pools,
                                                   const std::vector<std::int32_t>& ventricle) {
-  constexpr double least_width_mm = 3, least_ml = 15, least_own_ml = 5, least_depth_mm = 8, most_muscle_share = 0.5;
+  constexpr double min_width_mm = 3, min_ml = 15, min_own_ml = 5, min_depth_mm = 8, max_muscle_share = 0.5;
   std::vector<std::int32_t> result;
   for (const auto& [label, pool] : pools)
-    if (!contains(ventricle, label) && widest(basins, ventricle, label) > least_width_mm &&
-        pool.volume_ml > least_own_ml && pool.depth_mm > least_depth_mm && pool.muscle_share < most_muscle_share &&
-        group_around(basins, pools, ventricle, label).volume_ml > least_ml)
+    if (!contains(ventricle, label) && widest(basins, ventricle, label) > min_width_mm && pool.volume_ml > min_own_ml &&
+        pool.depth_mm > min_depth_mm && pool.muscle_share < max_muscle_share &&
+        group_around(basins, pools, ventricle, label).volume_ml > min_ml)
       result.push_back(label);
   std::stable_sort(result.begin(), result.end(), [&](std::int32_t a, std::int32_t b) {
     return widest(basins, ventricle, a) > widest(basins, ventricle, b);
@@ -114,9 +114,9 @@ std::vector<std::int32_t> neighbours_of_ventricle(const Basins& basins, const Po
 /// A ventricle has two ways out, an apex behind large papillary muscles but one, into the ventricle's base. Atria and
 /// vessels have less muscle around them than a base has.
 bool is_apex_alone(const Pools& pools, const std::vector<std::int32_t>& neighbours) {
-  constexpr double least_muscle_share = 0.35;
+  constexpr double min_muscle_share = 0.35;
   return neighbours.size() == 1 && may_be_ventricle(pools.at(neighbours.front())) &&
-         pools.at(neighbours.front()).muscle_share > least_muscle_share;
+         pools.at(neighbours.front()).muscle_share > min_muscle_share;
 }
 
 /// The aorta reaches higher than the atrium, leaves the ventricle farther in front and lies farther in front.
@@ -133,16 +133,16 @@ double aorta_vote(const Basins& basins, const Pools& pools, std::int32_t label, 
 
 /// A long tube of even width beside the spine, behind the middle of the left atrium.
 bool is_descending_aorta(const Pool& pool, const Pool& atrium, const Spine& spine) {
-  constexpr double least_ml = 5, shortest_mm = 45, thinnest_mm = 5, thickest_mm = 20, most_uneven_hu = 60;
-  constexpr double right_mm = -10, left_mm = 40, from_spine_mm = 62, least_filling = 0.5, most_filling = 2.2;
+  constexpr double min_ml = 5, shortest_mm = 45, thinnest_mm = 5, thickest_mm = 20, max_uneven_hu = 60;
+  constexpr double right_mm = -10, left_mm = 40, from_spine_mm = 62, min_filling = 0.5, max_filling = 2.2;
   const double length = pool.top_mm - pool.bottom_mm + working_spacing_mm;
   const double tube_ml = std::numbers::pi * pool.depth_mm * pool.depth_mm * length / 1000;
   const double filling = pool.volume_ml / tube_ml;
   const Vec3 off = pool.centre_mm - spine.at(pool.centre_mm.z);
-  return pool.volume_ml >= least_ml && length > shortest_mm && pool.depth_mm > thinnest_mm &&
-         pool.depth_mm < thickest_mm && filling > least_filling && filling < most_filling && pool.left_mm > right_mm &&
+  return pool.volume_ml >= min_ml && length > shortest_mm && pool.depth_mm > thinnest_mm &&
+         pool.depth_mm < thickest_mm && filling > min_filling && filling < max_filling && pool.left_mm > right_mm &&
          pool.left_mm < left_mm && math::hypot(off.x, off.y) < from_spine_mm && pool.front_mm < atrium.front_mm &&
-         pool.hu_deviation < most_uneven_hu;
+         pool.hu_deviation < max_uneven_hu;
 }
 
 }  // namespace

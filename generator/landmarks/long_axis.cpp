@@ -5,6 +5,7 @@
 #include "generator/image/statistics.hpp"
 #include "generator/landmarks/contact.hpp"
 #include "generator/landmarks/valve_patch.hpp"
+#include "model/contract.hpp"
 #include "model/labels.hpp"
 
 namespace heartgen::landmarks {
@@ -74,6 +75,7 @@ Vec3 leave_muscle(const Volume<float>& smooth, const Vec3& tip, const Vec3& dire
 }  // namespace
 
 LongAxis find_long_axis(const LabelVolume& chambers, const Volume<float>& smooth) {
+  HEARTGEN_EXPECTS(chambers.grid == smooth.grid);
   const auto ventricle = voxels_of(chambers, Region::lv_blood);
   LongAxis axis;
   axis.base_mm = middle_of_base(chambers, ventricle);

@@ -15,15 +15,15 @@ namespace {
 
 constexpr double off_fat_mm = 3;           // nearer to fat the grey value is a mixture
 constexpr double off_left_blood_mm = 3.5;  // and so it is nearer to bright blood, where a few percent of it count
-constexpr double most_information = 1;     // nats per mm³: no voxel decides alone
+constexpr double max_information = 1;      // nats per mm³: no voxel decides alone
 constexpr double thickness_mm = 3;         // of the ring of muscle around an orifice, as far as it tells
 constexpr double smoothing_mm = 1;         // across the section, which is one voxel thick
-constexpr double least_nats = 15;          // chance gives up to 11 on a thousand planes
+constexpr double min_nats = 15;            // chance gives up to 11 on a thousand planes
 constexpr double reach_mm = 15;            // of the plane, along its normal
 constexpr double shift_slack_mm = 4;       // standard deviations of the first guess: where grey values tell little
 constexpr double tilt_slack_deg = 10;      // it counts for more
 constexpr double across_slack_mm = 8;
-constexpr double usual_radius_mm = 17;  // tricuspid annulus of adults: 28 to 40 mm wide
+constexpr double typical_radius_mm = 17;  // tricuspid annulus of adults: 28 to 40 mm wide
 constexpr double radius_slack_mm = 4;
 constexpr double degree = 3.14159265358979323846 / 180;
 
@@ -97,14 +97,14 @@ double excess_in(const Cut& cut, int a, int b, double radius_mm) {
 
 /// The disc of most blood.
 Disc best_disc(const Cut& cut, double radius_step_mm, int step, double nats_per_mm2) {
-  constexpr double least_mm = 10, most_mm = 26;
+  constexpr double min_mm = 10, max_mm = 26;
   constexpr int reach = 8;  // 12 mm from the middle; with the greatest radius still inside the cut
-  static_assert(reach * Cut::pixel_mm + most_mm < Cut::half * Cut::pixel_mm);
+  static_assert(reach * Cut::pixel_mm + max_mm < Cut::half * Cut::pixel_mm);
   Disc best;
-  const int radii = 1 + static_cast<int>((most_mm - least_mm) / radius_step_mm);
+  const int radii = 1 + static_cast<int>((max_mm - min_mm) / radius_step_mm);
   for (int r = 0; r < radii; ++r) {
-    const double radius_mm = least_mm + r * radius_step_mm;
-    const double unusual = (radius_mm - usual_radius_mm) / radius_slack_mm;
+    const double radius_mm = min_mm + r * radius_step_mm;
+    const double unusual = (radius_mm - typical_radius_mm) / radius_slack_mm;
     for (int b = -reach; b <= reach; b += step)
       for (int a = -reach; a <= reach; a += step) {
         const double across = math::hypot(a, b) * Cut::pixel_mm / across_slack_mm;
@@ -120,11 +120,11 @@ Disc best_disc(const Cut& cut, double radius_step_mm, int step, double nats_per_
 /// How much more the grey values in the plane speak for a disc of blood in a plate of muscle than for blood alone or
 /// muscle alone, nats; less for large shifts and tilts.
 double gain_of(const FaintTissue& tissue, const ValvePatch& start, const Pose& pose) {
-  constexpr double search_mm = 9, least_mm2 = 300, nothing = -1e9, radius_step_mm = 2;
+  constexpr double search_mm = 9, min_mm2 = 300, nothing = -1e9, radius_step_mm = 2;
   constexpr int step = 2;
   const Vec3 point = point_of(start, pose), normal = normal_of(start, pose);
   const auto points = image::section_points(tissue.open, point, normal, search_mm);
-  if (static_cast<double>(points.size()) * image::section_pixel_mm2 < least_mm2) return nothing;
+  if (static_cast<double>(points.size()) * image::section_pixel_mm2 < min_mm2) return nothing;
   double whole = 0;
   for (const Vec3& p : points) whole += static_cast<double>(value_at(tissue.excess, p));
   const Disc disc = best_disc(cut_at(tissue, point, normal), radius_step_mm, step, tissue.nats_per_mm2);
@@ -133,14 +133,14 @@ double gain_of(const FaintTissue& tissue, const ValvePatch& start, const Pose& p
 }
 
 std::vector<Pose> poses_around(const Pose& middle, double shift_step_mm, int shifts, double tilt_step_deg, int tilts) {
-  constexpr double most_tilt_deg = 35;
+  constexpr double max_tilt_deg = 35;
   std::vector<Pose> poses;
   for (int shift = -shifts; shift <= shifts; ++shift)
     for (int u = -tilts; u <= tilts; ++u)
       for (int v = -tilts; v <= tilts; ++v) {
         const Pose pose{middle.shift_mm + shift * shift_step_mm, middle.tilt_u_deg + u * tilt_step_deg,
                         middle.tilt_v_deg + v * tilt_step_deg};
-        if (std::abs(pose.shift_mm) <= reach_mm && pose.tilt_deg() <= most_tilt_deg) poses.push_back(pose);
+        if (std::abs(pose.shift_mm) <= reach_mm && pose.tilt_deg() <= max_tilt_deg) poses.push_back(pose);
       }
   return poses;
 }
@@ -171,12 +171,12 @@ Choice find_plane(const FaintTissue& tissue, const ValvePatch& start) {
 }  // namespace
 
 FaintTissue show_tissue(const Volume<float>& hu, const FaintRightHeart& right) {
-  constexpr double least_power = 1;
+  constexpr double min_power = 1;
   const auto& walls = right.walls;
   const double difference = right.contrast.difference_hu();
   const double middle = right.contrast.muscle_hu + difference / 2;
-  const double power = std::max(right.contrast.noise_power, least_power);
-  const double information = std::min(difference * difference / (2 * power), most_information);
+  const double power = std::max(right.contrast.noise_power, min_power);
+  const double information = std::min(difference * difference / (2 * power), max_information);
   FaintTissue tissue{Volume<float>(hu.grid), Volume<float>(hu.grid), 0};
   tissue.nats_per_mm2 = 2 * information * thickness_mm;
   for (std::size_t v = 0; v < hu.voxels.size(); ++v) {
@@ -185,8 +185,7 @@ FaintTissue show_tissue(const Volume<float>& hu, const FaintRightHeart& right) {
     const bool in_left = static_cast<double>(walls.from_lv.voxels[v]) < walls.lv_wall_mm || other <= 0;
     const bool open = right.near.voxels[v] && outside > off_fat_mm && other > off_left_blood_mm && !in_left;
     const double grey = difference * (static_cast<double>(hu.voxels[v]) - middle) / power;
-    const double excess =
-        information > 0 ? std::clamp(grey, -most_information, most_information) / (2 * information) : 0;
+    const double excess = information > 0 ? std::clamp(grey, -max_information, max_information) / (2 * information) : 0;
     tissue.open.voxels[v] = open;
     if (open)
       tissue.excess.voxels[v] = static_cast<float>(excess);
@@ -200,7 +199,7 @@ FaintTissue show_tissue(const Volume<float>& hu, const FaintRightHeart& right) {
 std::optional<ValvePatch> find_orifice(const FaintTissue& tissue, const ValvePatch& start) {
   if (tissue.nats_per_mm2 == 0) return std::nullopt;
   const auto [pose, gain] = find_plane(tissue, start);
-  if (gain < least_nats) return std::nullopt;
+  if (gain < min_nats) return std::nullopt;
   const Vec3 point = point_of(start, pose), normal = normal_of(start, pose);
   const Disc disc = best_disc(cut_at(tissue, point, normal), 0.5, 1, tissue.nats_per_mm2);
   const image::PlaneFrame frame = image::frame_across(normal);

@@ -81,7 +81,7 @@ void measure_shell(const Volume<float>& smooth, const Mask& muscle, const Volume
   if (shell == 0) return;
   pool.muscle_share = in_muscle / shell;
   pool.fat_or_air_share = dark / shell;
-  pool.shell_hu = image::typical_grey(grey, image::muscle_window_hu);
+  pool.shell_hu = image::modal_intensity(grey, image::muscle_window_hu);
 }
 
 void measure_grey(const Volume<float>& hu, const Volume<float>& smooth, const Volume<float>& depth,

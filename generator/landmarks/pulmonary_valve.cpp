@@ -15,12 +15,12 @@ namespace {
 constexpr double step_mm = 2, walk_mm = 60;
 constexpr std::array starts_beyond_mm{10.0, 4.0, 0.0};  // the first may lie in the bifurcation, where no walk begins
 constexpr std::size_t enough_stations = 6;
-constexpr double most_widening = 1.5;  // over the narrowest section so far: the ventricle's body begins
+constexpr double max_widening = 1.5;   // over the narrowest section so far: the ventricle's body begins
 constexpr double longest_jump_mm = 6;  // of the section's centre: it slipped into another branch
 constexpr double search_mm = 6;
 constexpr double turn = 0.3;                            // share of the new direction per step
 constexpr double ring_from_mm = 2.5, ring_to_mm = 5.5;  // outside the blood: the wall of an outflow tract
-constexpr float least_muscle_hu = 20, most_muscle_hu = 180;
+constexpr float min_muscle_hu = 20, max_muscle_hu = 180;
 
 struct Station {
   image::Section section;
@@ -70,7 +70,7 @@ double muscle_around(const Scenery& scenery, const image::Section& section, cons
     if (away <= ring_from_mm || away > ring_to_mm || scenery.chambers.voxels[v] != 0) return;
     const float hu = scenery.image.smooth.voxels[v];
     ring += 1;
-    muscle += hu > least_muscle_hu && hu < most_muscle_hu;
+    muscle += hu > min_muscle_hu && hu < max_muscle_hu;
   });
   return ring > 0 ? muscle / ring : 0;
 }
@@ -115,7 +115,7 @@ std::vector<Station> walk_upstream(const Scenery& scenery, const ValvePatch& sta
   const int steps = 1 + static_cast<int>((walk_mm + start_beyond_mm) / step_mm);
   for (int step = 0; step < steps; ++step) {
     const auto section = image::section_at(scenery.blood, at, normal, search_mm);
-    if (!section || section->diameter_mm() > most_widening * narrowest) break;
+    if (!section || section->diameter_mm() > max_widening * narrowest) break;
     const bool first = stations.empty();  // may lie in the bifurcation, beside the artery's centre line
     if (!first && norm(section->centre_mm - at) > longest_jump_mm) break;
     narrowest = std::min(narrowest, section->diameter_mm());
@@ -162,9 +162,9 @@ Vec3 blood_middle(const Scenery& scenery, const image::Section& section, const V
 /// Where the artery or the ventricle seems to hang together with tissue before it, such as a chest wall it touches,
 /// sections widen or slip long before the valve usually comes. These are left out, and the walk goes on through the
 /// middle of what lies within a disc, until it has passed the usual place.
-void go_on_within_a_disc(const Scenery& scenery, const Vec3& usual_mm, std::vector<Station>& stations) {
+void go_on_within_a_disc(const Scenery& scenery, const Vec3& typical_mm, std::vector<Station>& stations) {
   constexpr double early_mm = 2, beyond_mm = 12, slipped = 1.15;
-  const auto left_mm = [&] { return dot(stations.back().section.centre_mm - usual_mm, stations.back().normal); };
+  const auto left_mm = [&] { return dot(stations.back().section.centre_mm - typical_mm, stations.back().normal); };
   if (stations.size() < enough_stations || left_mm() < early_mm) return;
   double narrowest = 1e9;
   for (const Station& station : stations) narrowest = std::min(narrowest, station.section.diameter_mm());
@@ -183,7 +183,7 @@ void go_on_within_a_disc(const Scenery& scenery, const Vec3& usual_mm, std::vect
 /// before the step, which must rise by at least 0.1; 0 where there is no such step.
 std::size_t muscle_begins_after(std::size_t first, const std::vector<Station>& stations) {
   constexpr std::size_t fewest = 3;
-  constexpr double least_rise = 0.1;
+  constexpr double min_rise = 0.1;
   std::size_t best = 0;
   double best_gain = 0;
   for (std::size_t cut = first + fewest; cut + fewest <= stations.size(); ++cut) {
@@ -192,7 +192,7 @@ std::size_t muscle_begins_after(std::size_t first, const std::vector<Station>& s
     const double n_before = static_cast<double>(cut - first), n_after = static_cast<double>(stations.size() - cut);
     const double rise = after / n_after - before / n_before;
     const double gain = rise * rise * n_before * n_after;  // how much the step lowers the sum of squares, times n
-    if (rise < least_rise || gain <= best_gain) continue;
+    if (rise < min_rise || gain <= best_gain) continue;
     best_gain = gain;
     best = cut;
   }
@@ -210,9 +210,9 @@ std::size_t muscle_begins(const std::vector<Station>& stations) {
 constexpr std::size_t window = 3;  // stations on either side of a rise
 
 /// Up to 1: in known hearts the valve lies within 16 mm of the usual place.
-double plausibility(const Vec3& valve_mm, const std::optional<Vec3>& usual_mm) {
+double plausibility(const Vec3& valve_mm, const std::optional<Vec3>& typical_mm) {
   constexpr double deviation_mm = 15;
-  const double off = usual_mm ? norm(valve_mm - *usual_mm) / deviation_mm : 0;
+  const double off = typical_mm ? norm(valve_mm - *typical_mm) / deviation_mm : 0;
   return math::exp(-0.5 * off * off);
 }
 
@@ -221,8 +221,8 @@ double plausibility(const Vec3& valve_mm, const std::optional<Vec3>& usual_mm) {
 /// more contrast blood has with muscle, the more counts beside it how what lies beneath turns from blood to muscle:
 /// bright blood shows through the artery's thin wall, which then is no darker than the ventricle's.
 std::size_t wall_brightens(const std::vector<Station>& stations, double contrast_hu,
-                           const std::optional<Vec3>& usual_mm) {
-  constexpr double least_rise_hu = 4, full_contrast_hu = 40;
+                           const std::optional<Vec3>& typical_mm) {
+  constexpr double min_rise_hu = 4, full_contrast_hu = 40;
   const double weight = std::clamp(contrast_hu / full_contrast_hu, -1.0, 1.0);
   const auto told = [&](const Station& station) { return station.muscle - weight * station.beneath; };
   std::size_t best = 0;
@@ -230,8 +230,8 @@ std::size_t wall_brightens(const std::vector<Station>& stations, double contrast
   for (std::size_t cut = window; cut + window <= stations.size(); ++cut) {
     double rise = 0;
     for (std::size_t n = 0; n < window; ++n) rise += told(stations[cut + n]) - told(stations[cut - 1 - n]);
-    const double plausible_rise = rise * plausibility(stations[cut].section.centre_mm, usual_mm);
-    if (rise <= least_rise_hu * window || plausible_rise <= sharpest) continue;
+    const double plausible_rise = rise * plausibility(stations[cut].section.centre_mm, typical_mm);
+    if (rise <= min_rise_hu * window || plausible_rise <= sharpest) continue;
     sharpest = plausible_rise;
     best = cut;
   }
@@ -271,10 +271,10 @@ ValvePatch valve_where_wall_brightens(const std::vector<Station>& stations, std:
 /// Where no wall tells: the end of the walk, where the ventricle widens, if the valve usually lies nearer to it than to
 /// the start.
 ValvePatch end_of_walk_or_start(const std::vector<Station>& stations, const ValvePatch& start,
-                                const std::optional<Vec3>& usual_mm) {
-  if (stations.empty() || !usual_mm) return start;
+                                const std::optional<Vec3>& typical_mm) {
+  if (stations.empty() || !typical_mm) return start;
   const Station& last = stations.back();
-  if (norm(last.section.centre_mm - *usual_mm) >= norm(start.centre_mm - *usual_mm)) return start;
+  if (norm(last.section.centre_mm - *typical_mm) >= norm(start.centre_mm - *typical_mm)) return start;
   ValvePatch valve = start;
   valve.centre_mm = last.section.centre_mm;
   valve.normal = last.normal;
@@ -286,13 +286,13 @@ ValvePatch end_of_walk_or_start(const std::vector<Station>& stations, const Valv
 
 ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage& image,
                                 const std::optional<FaintRightHeart>& faint, const ValvePatch& start,
-                                const std::optional<Vec3>& usual_mm) {
+                                const std::optional<Vec3>& typical_mm) {
   const Scenery scenery = make_scenery(chambers, image, faint);
   auto stations = first_long_walk(scenery, start);
-  if (faint && usual_mm) go_on_within_a_disc(scenery, *usual_mm, stations);
+  if (faint && typical_mm) go_on_within_a_disc(scenery, *typical_mm, stations);
   const std::size_t first_muscle =
-      faint ? wall_brightens(stations, faint->contrast.difference_hu(), usual_mm) : muscle_begins(stations);
-  if (first_muscle == 0) return end_of_walk_or_start(stations, start, usual_mm);
+      faint ? wall_brightens(stations, faint->contrast.difference_hu(), typical_mm) : muscle_begins(stations);
+  if (first_muscle == 0) return end_of_walk_or_start(stations, start, typical_mm);
   if (faint) return valve_where_wall_brightens(stations, first_muscle, start);
   ValvePatch valve = start;
   const Station& station = stations[first_muscle];

@@ -89,13 +89,13 @@ std::vector<image::Marker> certain_markers(const Volume<float>& depth, const Fra
 /// A pulmonary artery that the field of view cuts near its valve, too near to be certain: what of the right heart's
 /// left half reaches the top of the image.
 void mark_cut_artery(const Volume<float>& depth, const Frame& frame, std::vector<image::Marker>& markers) {
-  constexpr double least_towards_artery_mm = 2, most_towards_apex_mm = 12;
+  constexpr double min_towards_artery_mm = 2, max_towards_apex_mm = 12;
   const std::int64_t k = depth.grid.size[2] - 1;
   for (std::int64_t j = 0; j < depth.grid.size[1]; ++j)
     for (std::int64_t i = 0; i < depth.grid.size[0]; ++i) {
       const Vec3 p = position_mm(depth.grid, i, j, k);
-      if (depth(i, j, k) > deep_mm && frame.towards_artery(p) > least_towards_artery_mm &&
-          frame.towards_apex(p) < most_towards_apex_mm)
+      if (depth(i, j, k) > deep_mm && frame.towards_artery(p) > min_towards_artery_mm &&
+          frame.towards_apex(p) < max_towards_apex_mm)
         markers.push_back({tag(Region::pulmonary_artery), {i, j, k}});
     }
 }
@@ -130,8 +130,8 @@ bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const
 }
 
 void keep_main_pieces(LabelVolume& chambers) {
-  constexpr double least_aorta_ml = 5;
-  const auto least = static_cast<std::int64_t>(1000 * least_aorta_ml / chambers.grid.voxel_volume_mm3());
+  constexpr double min_aorta_ml = 5;
+  const auto least = static_cast<std::int64_t>(1000 * min_aorta_ml / chambers.grid.voxel_volume_mm3());
   for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood, Region::aorta,
                               Region::pulmonary_artery}) {
     const Mask all = region_mask(chambers, region);

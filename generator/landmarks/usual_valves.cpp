@@ -16,7 +16,7 @@ constexpr double mitral_weight = 0.65;      // of the base's middle, as for the 
 constexpr Vec3 tricuspid_mm{-8, 27, 33};    // towards base, aortic valve and right
 constexpr Vec3 pulmonary_mm{-12, 40, -20};  // so in two CTs and the phantom, within 16 mm
 constexpr double normal_to_base = 0.9, normal_to_aortic = 0.1, normal_to_right = 0.35;
-constexpr double usual_diameter_mm = 34;  // adults: 28 to 40
+constexpr double typical_diameter_mm = 34;  // adults: 28 to 40
 
 struct BaseFrame {
   Vec3 middle_mm, to_base, to_aortic, to_right;
@@ -42,7 +42,7 @@ ValvePatch usual_tricuspid(const ValvePatch& mitral, const ValvePatch& aortic, c
   usual.centre_mm = frame.at(tricuspid_mm);
   usual.normal = normalized(normal_to_base * frame.to_base + normal_to_aortic * frame.to_aortic +
                             normal_to_right * frame.to_right);
-  usual.diameter_mm = usual_diameter_mm;
+  usual.diameter_mm = typical_diameter_mm;
   usual.share = 1;
   return usual;
 }
@@ -59,7 +59,7 @@ std::optional<ValvePatch> narrowest_tricuspid(const LabelVolume& chambers, const
   const Mask other =
       mask_where(hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::la_blood) || is(v, Region::aorta); });
   const auto walls = anatomy::measure_walls(hu, lv, other, muscle_hu);
-  Volume<float> cavity = anatomy::usual_cavity(walls, Mask(hu.grid, 1));
+  Volume<float> cavity = anatomy::prior_cavity(walls, Mask(hu.grid, 1));
   for (float& inside : cavity.voxels)  // 1 inside, 0 outside, half-way at the wall
     inside = std::clamp(inside / static_cast<float>(working_spacing_mm) + 0.5F, 0.0F, 1.0F);
   const auto plane = image::tightest_plane(cavity, usual.centre_mm, usual.normal, reach_mm);

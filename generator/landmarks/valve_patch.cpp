@@ -9,7 +9,7 @@
 namespace heartgen::landmarks {
 namespace {
 
-constexpr std::size_t fewest_faces = 5;
+constexpr std::size_t min_faces = 5;
 constexpr double linked_voxels = 1.5;  // faces of neighbouring voxels, also over an edge or a step
 
 /// Indices of the largest set of points that hang together. Points are few (hundreds), so every pair is compared.
@@ -36,7 +36,7 @@ std::vector<std::size_t> largest_cluster(const std::vector<Vec3>& points, double
 std::optional<ValvePatch> find_valve_patch(const LabelVolume& chambers, Region ventricle, Region beyond) {
   const auto contact = contact_surface(
       chambers, [&](std::uint8_t l) { return l == tag(ventricle); }, [&](std::uint8_t l) { return l == tag(beyond); });
-  if (contact.points.size() < fewest_faces || norm(contact.area_mm2) == 0) return std::nullopt;
+  if (contact.points.size() < min_faces || norm(contact.area_mm2) == 0) return std::nullopt;
   const auto members = largest_cluster(contact.points, linked_voxels * chambers.grid.spacing_mm.x);
   std::vector<Vec3> points;
   points.reserve(members.size());

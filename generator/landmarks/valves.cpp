@@ -21,7 +21,7 @@ Volume<float> blood_of(const LabelVolume& chambers, Region a, Region b) {
 /// Direction of the vessel's first centimetres away from the valve: the line through the centres of slices across it.
 Vec3 root_direction(const LabelVolume& chambers, Region vessel, const ValvePatch& valve) {
   constexpr double near_mm = 12, far_mm = 28, slice_mm = 4, longest_mm = 32, wide_mm = 22;
-  constexpr std::size_t fewest_voxels = 30, fewest_slices = 3;
+  constexpr std::size_t min_voxels = 30, min_slices = 3;
   constexpr int rounds = 4, slices = 7;
   std::vector<Vec3> offsets, first;
   for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
@@ -41,8 +41,8 @@ Vec3 root_direction(const LabelVolume& chambers, Region vessel, const ValvePatch
     }
     std::vector<Vec3> centres;
     for (const auto& s : slice)
-      if (s.size() > fewest_voxels) centres.push_back(image::mean(s));
-    if (centres.size() < fewest_slices) break;
+      if (s.size() > min_voxels) centres.push_back(image::mean(s));
+    if (centres.size() < min_slices) break;
     const Vec3 line = image::principal_axes(centres).axis[0];
     direction = dot(line, direction) < 0 ? -line : line;
   }
@@ -81,9 +81,9 @@ void settle(LabelVolume& chambers, Region ventricle, Region beyond, ValvePatch& 
 
 /// No farther from where the valve usually lies than twice as far as in known hearts.
 bool lies_as_usual(const ValvePatch& valve, const ValvePatch& usual) {
-  constexpr double farthest_mm = 20, most_turned_deg = 40;
+  constexpr double farthest_mm = 20, max_turned_deg = 40;
   return norm(valve.centre_mm - usual.centre_mm) <= farthest_mm &&
-         image::angle_deg(valve.normal, usual.normal) <= most_turned_deg;
+         image::angle_deg(valve.normal, usual.normal) <= max_turned_deg;
 }
 
 /// The tightest plane near the flood's border, or near the usual place if that is clearly tighter. In a crooked or
@@ -118,9 +118,9 @@ ValvePatch find_tricuspid(LabelVolume& chambers, const WorkingImage& image, cons
 }
 
 ValvePatch find_pulmonary(LabelVolume& chambers, const WorkingImage& image, const RightHeartLook& right,
-                          const ValvePatch& start, const std::optional<Vec3>& usual_mm) {
+                          const ValvePatch& start, const std::optional<Vec3>& typical_mm) {
   using enum Region;
-  ValvePatch valve = find_pulmonary_valve(chambers, image, right.faint, start, usual_mm);
+  ValvePatch valve = find_pulmonary_valve(chambers, image, right.faint, start, typical_mm);
   if (right.faint)
     divide_at_plane(chambers, rv_blood, pulmonary_artery, valve.centre_mm, valve.normal);
   else

@@ -224,7 +224,7 @@ std::int64_t flatten_border(const Grid& grid, std::vector<Vec3>& nodes_mm, const
       std::array<Vec3, 4> p;
       for (std::size_t i = 0; i < 4; ++i)
         p[i] = nodes_mm[static_cast<std::size_t>(cells[static_cast<std::size_t>(c)][i])];
-      least = std::min(least, least_sine(p));
+      least = std::min(least, min_sine(p));
     }
     return least;
   };

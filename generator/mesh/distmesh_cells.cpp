@@ -12,10 +12,10 @@ LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& size
                              std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells, LatticeReport* report) {
   StepWatch watch{report};
   const auto materials = materials_of(domain, sizes_mm);
-  auto complex = stuffing::stuff(materials, {});
+  auto complex = stuffing::stuff_isosurfaces(materials, {});
   settle(complex, manifold_sets, crumb_cells);
   watch.note("stuff");
-  auto relaxing = distmesh::usual_settings(distmesh::Dimension::three);
+  auto relaxing = distmesh::default_settings(distmesh::Dimension::three);
   relaxing.on_tenth = [&] { watch.note("truss"); };
   const auto truss = distmesh::relax({std::move(complex.nodes_mm), std::move(complex.touches)}, materials,
                                      distmesh::Dimension::three, relaxing);
@@ -26,8 +26,8 @@ LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& size
   const tetmesh::RepairSettings settings;
   const auto below = repair_on_curves(complex, materials, settings);
   watch.note("repair");
-  surface_fit::balance_surfaces(complex, materials, settings.least);
-  surface_fit::separate_sheets(complex, settings.least);
+  surface_fit::correct_surface_volumes(complex, materials, settings.least);
+  surface_fit::resolve_self_intersections(complex, settings.least);
   tetmesh::compress(complex);
   watch.note("balance");
   if (report != nullptr) report->cells_below_goal = below;

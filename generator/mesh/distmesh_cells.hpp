@@ -5,7 +5,7 @@
 
 namespace heartgen::mesh {
 
-/// Cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat. `manifold_sets` as in settle_labels.
+/// Cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat. `manifold_sets` as in repair_labels.
 LabelledCells distmesh_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
                              std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
                              LatticeReport* report = nullptr);

@@ -54,7 +54,7 @@ struct ShareRow {
   float at(std::int64_t i) const { return i >= first && i < last ? share[i - first] : 0.0F; }
 };
 
-ShareRow row_of(const ShareField& field, std::int64_t j, std::int64_t k) {
+ShareRow row_of(const FractionField& field, std::int64_t j, std::int64_t k) {
   const auto& size = field.share.grid.size;
   const auto y = j - field.first[1], z = k - field.first[2];
   if (y < 0 || y >= size[1] || z < 0 || z >= size[2]) return {};
@@ -124,7 +124,7 @@ struct CubeCorners {
   std::array<std::int64_t, 3> step;
 };
 
-CubeCorners corners_of(const ShareField& field, const Index3& cube) {
+CubeCorners corners_of(const FractionField& field, const Index3& cube) {
   const auto& size = field.share.grid.size;
   CubeCorners corners{nullptr, {1, size[0], size[0] * size[1]}};
   Index3 at;
@@ -140,7 +140,7 @@ CubeCorners corners_of(const ShareField& field, const Index3& cube) {
 
 float mix(float a, float b, float t) { return a + t * (b - a); }
 
-float trilinear(const ShareField& field, const Index3& cube, const std::array<float, 3>& fraction) {
+float trilinear(const FractionField& field, const Index3& cube, const std::array<float, 3>& fraction) {
   const auto [first, step] = corners_of(field, cube);
   if (first == nullptr) return 0;
   const float* p = first;
@@ -153,7 +153,7 @@ float trilinear(const ShareField& field, const Index3& cube, const std::array<fl
 }
 
 // The same bits as trilinear at fractions of 1/4 and 3/4.
-std::array<float, 8> shares_of_eighths(const ShareField& field, const Index3& cube) {
+std::array<float, 8> shares_of_eighths(const FractionField& field, const Index3& cube) {
   constexpr std::array fractions{0.25F, 0.75F};
   std::array<float, 8> shares{};
   const auto [p, step] = corners_of(field, cube);
@@ -184,7 +184,7 @@ struct ShareSample {
   }
 };
 
-ShareSample sample_share(const ShareField& field, const Index3& cube, const std::array<float, 3>& fraction) {
+ShareSample sample_share(const FractionField& field, const Index3& cube, const std::array<float, 3>& fraction) {
   const auto [p, step] = corners_of(field, cube);
   if (p == nullptr) return {};
   const double u = static_cast<double>(fraction[0]), v = static_cast<double>(fraction[1]),
@@ -211,7 +211,7 @@ struct CubePlace {
   std::array<float, 3> fraction;
 };
 
-CubePlace place_of(const Grid& grid, const Vec3& index) {
+CubePlace extract_cavity(const Grid& grid, const Vec3& index) {
   CubePlace place;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -228,7 +228,7 @@ int equations_at(const MeshDomain& domain, std::uint32_t labels, const Vec3& ind
                  std::span<SurfaceEquation> equations) {
   // In the order of `decide`: each group against what comes after it, and inside a group the shares against each other.
   const std::array groups{bits_of(left_blood), bits_of(right_blood), bits_of(walls), bits_of(others)};
-  const auto place = place_of(domain.grid, index);
+  const auto place = extract_cavity(domain.grid, index);
   const auto sum = [&](std::uint32_t wanted) {
     ShareSample total;
     for (const auto& field : domain.shares)
@@ -269,7 +269,7 @@ void update_regions(MeshDomain& domain, const LabelVolume& labels, const Spans& 
 }
 
 std::uint8_t region_at(const MeshDomain& domain, const Vec3& index) {
-  const auto [cube, fraction] = place_of(domain.grid, index);
+  const auto [cube, fraction] = extract_cavity(domain.grid, index);
   const auto label = domain.cubes[static_cast<std::size_t>(domain.grid.offset(cube[0], cube[1], cube[2]))];
   if (label != MeshDomain::mixed) return label;
   return decide([&, &cube = cube, &fraction = fraction](std::uint8_t l) {
@@ -294,7 +294,7 @@ std::array<std::uint8_t, 8> regions_of_eighths(const MeshDomain& domain, const I
 }
 
 HeartShares heart_shares(const MeshDomain& domain, const Vec3& index) {
-  const auto [cube, fraction] = place_of(domain.grid, index);
+  const auto [cube, fraction] = extract_cavity(domain.grid, index);
   const auto sum = [&, &cube = cube, &fraction = fraction](const auto& regions) {
     float total = 0;
     for (const Region r : regions)

@@ -34,7 +34,7 @@ constexpr std::uint32_t bulk_bits =
 
 struct MeshDomain {
   Grid grid;                                        ///< of the label map
-  std::vector<ShareField> shares;                   ///< ascending labels, only those that occur
+  std::vector<FractionField> shares;                ///< ascending labels, only those that occur
   std::array<std::int8_t, label_count> share_of{};  ///< each label's place in `shares`, -1 for one that does not occur
   std::vector<std::uint8_t> voxels;                 ///< region tag at every voxel centre after smoothing
   /// Region tag of the cube between voxel centres (i, j, k) and (i+1, j+1, k+1) where it is the same in the whole

@@ -12,7 +12,7 @@ namespace heartgen::mesh {
 namespace {
 
 constexpr std::size_t longest_ring = 8;
-constexpr double least_gain = 1e-6;
+constexpr double min_gain = 1e-6;
 
 struct Flipper {
   const std::vector<Vec3>* nodes;
@@ -25,7 +25,7 @@ struct Flipper {
   std::int32_t label_of(std::int32_t c) const { return (*label)[static_cast<std::size_t>(c)]; }
   const std::vector<std::int32_t>& around(std::int32_t node) const { return star[static_cast<std::size_t>(node)]; }
   Vec3 at(std::int32_t node) const { return (*nodes)[static_cast<std::size_t>(node)]; }
-  double quality(const Cell& c) const { return least_sine({at(c[0]), at(c[1]), at(c[2]), at(c[3])}); }
+  double quality(const Cell& c) const { return min_sine({at(c[0]), at(c[1]), at(c[2]), at(c[3])}); }
 };
 
 bool has(const Cell& cell, std::int32_t node) { return std::find(cell.begin(), cell.end(), node) != cell.end(); }
@@ -139,7 +139,7 @@ bool remove_an_edge(Flipper& f, std::int32_t bad) {
       double old_worst = std::numeric_limits<double>::max();
       for (const auto c : ring->cells) old_worst = std::min(old_worst, f.quality(f.cell(c)));
       const auto filling = fill_ring(f, ring->nodes, cell[i], cell[j]);
-      if (filling.worst <= old_worst + least_gain || filling.worst <= 0) continue;
+      if (filling.worst <= old_worst + min_gain || filling.worst <= 0) continue;
       replace(f, ring->cells, filling.cells);
       return true;
     }
@@ -165,7 +165,7 @@ bool remove_a_face(Flipper& f, std::int32_t bad) {
       const double old_worst = std::min(f.quality(cell), f.quality(other));
       double worst = std::numeric_limits<double>::max();
       for (const auto& made : three) worst = std::min(worst, f.quality(made));
-      if (worst <= old_worst + least_gain || worst <= 0) continue;
+      if (worst <= old_worst + min_gain || worst <= 0) continue;
       replace(f, {bad, c}, three);
       return true;
     }
@@ -177,13 +177,13 @@ bool remove_a_face(Flipper& f, std::int32_t bad) {
 
 std::int64_t flip_bad_cells(const std::vector<Vec3>& nodes_mm, std::vector<Cell>& cells,
                             std::vector<std::int32_t>& label, std::int32_t first_dropped_label, double goal) {
-  constexpr int most_rounds = 4;
+  constexpr int max_rounds = 4;
   Flipper f{&nodes_mm, &cells, &label, std::vector<std::uint8_t>(cells.size(), 1),
             std::vector<std::vector<std::int32_t>>(nodes_mm.size())};
   for (std::size_t c = 0; c < cells.size(); ++c)
     for (const auto n : cells[c]) f.star[static_cast<std::size_t>(n)].push_back(static_cast<std::int32_t>(c));
   std::int64_t total = 0;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     std::int64_t flips = 0;
     const auto count = static_cast<std::int32_t>(cells.size());
     for (std::int32_t c = 0; c < count; ++c) {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "generator/mesh/settle_labels.hpp"
+#include "generator/mesh/label_repair.hpp"
 #include "model/tet_mesh.hpp"
 
 namespace heartgen::mesh {

@@ -113,7 +113,7 @@ struct Star {
   double at(std::size_t c, const Vec3& position) const {
     auto p = cells[c];
     p[place[c]] = position;
-    return least_sine(p);
+    return min_sine(p);
   }
 };
 
@@ -200,7 +200,7 @@ void move_bad_vertices(std::vector<Vec3>& nodes_mm, std::span<const Cell> cells,
   for (int round = 0; round < settings.rounds; ++round) {
     std::vector<std::int32_t> nodes;
     for (std::size_t c = 0; c < cells.size(); ++c)
-      if (label[c] > 0 && label[c] < first_dropped_label && least_sine(w.corners(static_cast<std::int32_t>(c))) < goal)
+      if (label[c] > 0 && label[c] < first_dropped_label && min_sine(w.corners(static_cast<std::int32_t>(c))) < goal)
         nodes.insert(nodes.end(), cells[c].begin(), cells[c].end());
     sort_unique(nodes);
     bool moved = false;

@@ -42,7 +42,7 @@ tetmesh::Materials materials_of(const MeshDomain& domain, const Volume<float>& s
     return edge_at(sizes, lps_from_index(domain.grid, index_of(domain.grid, p)));
   };
   materials.equations_at = [&domain](tetmesh::LabelBits labels, const Vec3& p, std::span<tetmesh::Equation> equations) {
-    std::array<SurfaceEquation, tetmesh::most_equations> found;
+    std::array<SurfaceEquation, tetmesh::max_equations> found;
     const auto wanted = std::span(found).first(equations.size());
     const int count = equations_at(domain, labels, index_of(domain.grid, p), wanted);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
@@ -61,9 +61,9 @@ void StepWatch::note(const std::string& step) {
 
 std::int64_t repair_on_curves(tetmesh::Complex& complex, const tetmesh::Materials& materials,
                               const tetmesh::RepairSettings& settings) {
-  surface_fit::draw_to_curves(complex, materials, stuffing::StuffSettings{}.least_quality);
+  surface_fit::project_to_curves(complex, materials, stuffing::StuffSettings{}.min_quality);
   const auto below_goal = tetmesh::repair(complex, materials, settings);
-  surface_fit::draw_to_curves(complex, materials, settings.least);
+  surface_fit::project_to_curves(complex, materials, settings.least);
   return below_goal;
 }
 
@@ -73,7 +73,7 @@ namespace {
 std::vector<std::uint8_t> settle_cells(tetmesh::Complex& complex, std::span<const LabelSet> manifold_sets,
                                        std::int64_t crumb_cells) {
   std::vector<std::int32_t> label(complex.label.begin(), complex.label.end());
-  settle_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
+  repair_labels(complex.nodes_mm, complex.cells, label, manifold_sets, crumb_cells);
   std::vector<std::uint8_t> is_changed(label.size());
   for (std::size_t c = 0; c < label.size(); ++c) {
     is_changed[c] = label[c] != complex.label[c];
@@ -86,13 +86,13 @@ std::vector<std::uint8_t> settle_cells(tetmesh::Complex& complex, std::span<cons
 }  // namespace
 
 bool are_few_below(const tetmesh::Complex& c, double enough, int most) {
-  constexpr double least_deg = 26, greatest_deg = 145;
+  constexpr double min_deg = 26, greatest_deg = 145;
   int below = 0;
   for (std::size_t t = 0; t < c.cells.size(); ++t) {
     const auto& cell = c.cells[t];
     if (cell[0] < 0 || static_cast<double>(c.quality[t]) >= enough) continue;
     const auto range = tetmesh::dihedral_range_deg({c.at(cell[0]), c.at(cell[1]), c.at(cell[2]), c.at(cell[3])});
-    if (++below > most || range[0] < least_deg || range[1] > greatest_deg) return false;
+    if (++below > most || range[0] < min_deg || range[1] > greatest_deg) return false;
   }
   return true;
 }
@@ -131,7 +131,7 @@ struct Task {
 std::vector<Vec3> places_of_meeting(const tetmesh::Complex& c) {
   const auto faces = surface_fit::outer_faces(c);
   std::vector<Vec3> places;
-  for (const auto& [one, other] : surface_fit::meeting_faces(c.nodes_mm, faces)) {
+  for (const auto& [one, other] : surface_fit::self_intersecting_faces(c.nodes_mm, faces)) {
     const auto& face = faces[static_cast<std::size_t>(one)];
     places.push_back((c.at(face[0]) + c.at(face[1]) + c.at(face[2])) / 3);
   }
@@ -141,17 +141,17 @@ std::vector<Vec3> places_of_meeting(const tetmesh::Complex& c) {
 void finish(Attempt& made, const Task& task) {
   auto& c = made.complex;
   const auto& materials = task.materials;
-  tetmesh::rescue(c, materials, task.repairing, kept_quality, tetmesh::OnFailure::go_on);
+  tetmesh::remesh_worst(c, materials, task.repairing, kept_quality, tetmesh::OnFailure::go_on);
   task.watch->note("polish");
-  surface_fit::ease_faces(c, materials, task.repairing.least, task.aims.fitted);
+  surface_fit::relax_tangentially(c, materials, task.repairing.least, task.aims.fitted);
   task.watch->note("ease");
   surface_fit::FitSettings fitting;
   fitting.labels = task.aims.fitted;
-  surface_fit::fit_faces(c, materials, task.repairing, fitting);
+  surface_fit::fit_surfaces(c, materials, task.repairing, fitting);
   task.watch->note("fit");
-  surface_fit::even_out_volumes(c, materials, task.repairing.least);
+  surface_fit::equalize_volumes(c, materials, task.repairing.least);
   task.watch->note("even out");
-  made.meeting = surface_fit::separate_sheets(c, task.repairing.least);
+  made.meeting = surface_fit::resolve_self_intersections(c, task.repairing.least);
   tetmesh::drop_unused(c);
   tetmesh::connect_stars(c);
   task.watch->note("separate");
@@ -160,10 +160,10 @@ void finish(Attempt& made, const Task& task) {
 
 // Adds spots where labels do not fit into a lattice; whether there are any. Only its delicate part is stuffed for that.
 bool find_spots(Task& task, const stuffing::Lattice& lattice, const stuffing::StuffSettings& stuffing) {
-  const auto part = stuffing::delicate_part(lattice);
-  auto complex = stuffing::stuff(task.materials, part.lattice, stuffing);
+  const auto part = stuffing::under_resolved_part(lattice);
+  auto complex = stuffing::stuff_isosurfaces(task.materials, part.lattice, stuffing);
   const auto is_changed = settle_cells(complex, task.manifold_sets, task.crumb_cells);
-  auto strays = stuffing::far_strays(complex, task.materials, task.aims.fitted, is_changed);
+  auto strays = stuffing::far_mislabelled_cells(complex, task.materials, task.aims.fitted, is_changed);
   std::erase_if(strays, [&](const Vec3& p) { return !stuffing::is_in_core(part, p); });
   return stuffing::add_spots(task.materials, strays, 1);
 }
@@ -171,13 +171,13 @@ bool find_spots(Task& task, const stuffing::Lattice& lattice, const stuffing::St
 tetmesh::Complex stuff_and_settle(Task& task, double reach) {
   stuffing::StuffSettings stuffing;
   stuffing.edge_reach = reach;
-  auto lattice = stuffing::lay_lattice(task.materials, task.wanted);
+  auto lattice = stuffing::build_background_lattice(task.materials, task.wanted);
   if (task.aims.refines && task.materials.spots.empty()) {
     const bool is_refined = find_spots(task, lattice, stuffing);
     task.watch->note("find spots");
-    if (is_refined) lattice = stuffing::lay_lattice(task.materials, task.wanted);
+    if (is_refined) lattice = stuffing::build_background_lattice(task.materials, task.wanted);
   }
-  auto complex = stuffing::stuff(task.materials, lattice, stuffing);
+  auto complex = stuffing::stuff_isosurfaces(task.materials, lattice, stuffing);
   task.watch->note("stuff");
   settle(complex, task.manifold_sets, task.crumb_cells);
   task.watch->note("settle");
@@ -192,13 +192,13 @@ Attempt attempt(Task& task, double reach) {
   Attempt made{stuff_and_settle(task, reach)};
   made.below_goal = repair_on_curves(made.complex, materials, task.repairing);
   watch.note("repair");
-  surface_fit::balance_surfaces(made.complex, materials, task.repairing.least);
+  surface_fit::correct_surface_volumes(made.complex, materials, task.repairing.least);
   watch.note("balance");
   const auto on_failure = task.aims.tolerated > 0 ? tetmesh::OnFailure::go_on : tetmesh::OnFailure::stop;
-  tetmesh::rescue(made.complex, materials, task.repairing, task.aims.enough, on_failure);
+  tetmesh::remesh_worst(made.complex, materials, task.repairing, task.aims.enough, on_failure);
   made.is_good_enough = are_few_below(made.complex, task.aims.enough, task.aims.tolerated);
   watch.note("rescue");
-  made.meeting = surface_fit::separate_gently(made.complex, task.repairing.least);
+  made.meeting = surface_fit::resolve_self_intersections_gently(made.complex, task.repairing.least);
   watch.note("separate");
   if (made.is_good_enough) finish(made, task);
   made.worst = tetmesh::worst_quality(made.complex);

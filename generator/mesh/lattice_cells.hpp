@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "generator/mesh/domain.hpp"
-#include "generator/mesh/settle_labels.hpp"
+#include "generator/mesh/label_repair.hpp"
 #include "generator/tetmesh/complex.hpp"
 #include "generator/tetmesh/repair.hpp"
 #include "model/labelled_cells.hpp"
@@ -53,7 +53,7 @@ bool are_few_below(const tetmesh::Complex& complex, double enough, int most);
 /// The domain as materials, in mm along the axes of its grid. Both must outlive the result.
 tetmesh::Materials materials_of(const MeshDomain& domain, const Volume<float>& sizes_mm);
 
-/// Gives the cells of a complex that has just been stuffed their final labels (settle_labels) and drops those outside.
+/// Gives the cells of a complex that has just been stuffed their final labels (repair_labels) and drops those outside.
 void settle(tetmesh::Complex& complex, std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells);
 
 /// Repairs a settled complex, the nodes of its curves on them; returns how many cells stay below the goal.
@@ -64,7 +64,7 @@ std::int64_t repair_on_curves(tetmesh::Complex& complex, const tetmesh::Material
 LabelledCells collect(const tetmesh::Complex& complex, const Grid& grid);
 
 /// Tries again with other settings where the worst cell is too bad, and keeps the best. `manifold_sets` as in
-/// settle_labels.
+/// repair_labels.
 tetmesh::Complex lattice_complex(const tetmesh::Materials& materials, std::span<const LabelSet> manifold_sets,
                                  std::int64_t crumb_cells, LatticeReport* report = nullptr,
                                  const LatticeAims& aims = {});

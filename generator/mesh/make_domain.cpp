@@ -16,7 +16,7 @@ namespace {
 
 // Less follows the stairs. With a kernel free of bias more of it brings the surfaces of subsampled shapes nearer to the
 // true ones, up to here.
-constexpr double least_smoothing_voxels = 1.3;
+constexpr double min_smoothing_voxels = 1.3;
 
 std::array<Box, label_count> boxes_of(const LabelVolume& labels) {
   std::array<Box, label_count> boxes;
@@ -38,7 +38,7 @@ std::array<Box, label_count> boxes_of(const LabelVolume& labels) {
 Vec3 sigma_voxels(const Grid& grid, double smoothing_mm) {
   Vec3 sigma;
   for (int axis = 0; axis < 3; ++axis)
-    sigma[axis] = std::max(smoothing_mm / grid.spacing_mm[axis], least_smoothing_voxels);
+    sigma[axis] = std::max(smoothing_mm / grid.spacing_mm[axis], min_smoothing_voxels);
   return sigma;
 }
 
@@ -176,7 +176,8 @@ Spans spans_around(const Index3& size, const std::vector<Index3>& voxels, const 
 }
 
 // Raises a share where its label has lost voxels, and lowers it where it has taken them.
-void give_back(ShareField& field, const LabelVolume& labels, const std::vector<Index3>& lost, const Kernels& kernels) {
+void give_back(FractionField& field, const LabelVolume& labels, const std::vector<Index3>& lost,
+               const Kernels& kernels) {
   std::vector<float> lack;
   lack.reserve(lost.size());
   for (const auto& at : lost)
@@ -188,10 +189,10 @@ void give_back(ShareField& field, const LabelVolume& labels, const std::vector<I
 // Strands and sheets that smoothing would break: where the domain has another region than the voxel, the shares there
 // are brought back by as much as they lack.
 void keep_voxels(MeshDomain& domain, const LabelVolume& labels, const Box& box, const Kernels& kernels) {
-  constexpr int most_rounds = 6;
+  constexpr int max_rounds = 6;
   auto changed = no_spans(labels.grid.size);
   changed.add(box);
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     const auto lost = lost_voxels(domain, labels, changed);
     if (lost.empty()) return;
     parallel::parallel_for(0, static_cast<std::int64_t>(domain.shares.size()),

@@ -16,10 +16,10 @@
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/floating_walls.hpp"
 #include "generator/mesh/improve.hpp"
+#include "generator/mesh/label_repair.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/mesh/own_edges.hpp"
 #include "generator/mesh/seeds.hpp"
-#include "generator/mesh/settle_labels.hpp"
 #include "generator/mesh/size_field.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "generator/mesh/tetgen_cells.hpp"
@@ -95,7 +95,7 @@ std::array<LabelSet, 3> manifold_sets() {
 LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<float>& sizes) {
   const float coarsest = *std::max_element(sizes.voxels.begin(), sizes.voxels.end());
   auto cells = adapters::mesh_implicit(implicit_domain(domain, sizes, layer_edges * coarsest), {});
-  settle_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(), crumb_cells);
+  repair_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(), crumb_cells);
   flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
   improve(cells.nodes_mm, cells.cells, cells.label, beyond_border, {});
   flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
@@ -104,11 +104,11 @@ LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<float>& size
 
 /// What floats takes the label around it; where that leaves a boundary that touches itself, a few cells more change.
 void join_walls(LabelledCells& cells) {
-  constexpr int most_rounds = 4;  // what one step mends, the other may break again
+  constexpr int max_rounds = 4;  // what one step mends, the other may break again
   const auto sets = manifold_sets();
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     if (absorb_floating_walls(cells.nodes_mm, cells.cells, cells.label, sets[1]) == 0) return;
-    settle_labels(cells.nodes_mm, cells.cells, cells.label, sets, 0);
+    repair_labels(cells.nodes_mm, cells.cells, cells.label, sets, 0);
     cells.is_on_surface.clear();
   }
 }
@@ -183,13 +183,13 @@ void check_settings(const MeshSettings& s) {
   if (std::find(backends.begin(), backends.end(), s.backend) == backends.end())
     throw UserError(fmt::format("unknown backend \"{}\"", s.backend), "recipe, [mesh]",
                     fmt::format("use \"{}\"", fmt::join(backends, "\", \"")));
-  if (s.wall_layers < 0 || s.wall_layers > most_wall_layers)
+  if (s.wall_layers < 0 || s.wall_layers > max_wall_layers)
     throw UserError(fmt::format("wall_layers is {}", s.wall_layers), "recipe, [mesh]",
-                    fmt::format("it must be a whole number from 0 to {}", most_wall_layers));
-  constexpr double most_smoothing_mm = 20;  // nothing of a heart is left then
-  if (!(s.smoothing_mm >= 0 && s.smoothing_mm <= most_smoothing_mm))
+                    fmt::format("it must be a whole number from 0 to {}", max_wall_layers));
+  constexpr double max_smoothing_mm = 20;  // nothing of a heart is left then
+  if (!(s.smoothing_mm >= 0 && s.smoothing_mm <= max_smoothing_mm))
     throw UserError(fmt::format("smoothing_mm is {}", s.smoothing_mm), "recipe, [mesh]",
-                    fmt::format("it must be between 0 and {:g}", most_smoothing_mm));
+                    fmt::format("it must be between 0 and {:g}", max_smoothing_mm));
 }
 
 LabelVolume heart_only(const LabelVolume& labels) {

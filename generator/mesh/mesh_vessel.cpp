@@ -14,9 +14,9 @@
 #include "generator/mesh/curves.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/improve.hpp"
+#include "generator/mesh/label_repair.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/mesh/seeds.hpp"
-#include "generator/mesh/settle_labels.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "generator/mesh/vessel_domain.hpp"
 #include "generator/surface_fit/self_intersections.hpp"
@@ -32,11 +32,11 @@ constexpr int rays_per_section = 96;
 constexpr double spacing_per_edge = 0.8;
 constexpr double smoothing_per_edge = 0.5;  // at most: smoothing shrinks a narrow lumen
 constexpr double stub_edges = 1.5;
-constexpr double wall_per_edge = 0.5;        // of a carotid: flow has its boundary layer there
-constexpr std::int64_t crumb_cells = 30;     // pieces of so few cells are dropped
-constexpr double least_radius_edges = 1.75;  // thinner branches are left out
-constexpr std::size_t most_ends = 60;        // labels of stubs must fit a LabelSet
-constexpr double least_component = 0.2;      // share of the largest component's voxels; smaller ones are dropped
+constexpr double wall_per_edge = 0.5;      // of a carotid: flow has its boundary layer there
+constexpr std::int64_t crumb_cells = 30;   // pieces of so few cells are dropped
+constexpr double min_radius_edges = 1.75;  // thinner branches are left out
+constexpr std::size_t max_ends = 60;       // labels of stubs must fit a LabelSet
+constexpr double min_component = 0.2;      // share of the largest component's voxels; smaller ones are dropped
 // Where rays from the axis, in the plane of the cut, leave the lumen.
 std::vector<CurvePoint> sample_rim(const VesselDomain& domain, const VesselEnd& end) {
   const Vec3 aside = std::abs(end.normal.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
@@ -98,7 +98,7 @@ LabelSet only_lumen() {
 LabelledCells delaunay_vessel(const VesselDomain& domain) {
   auto cells = adapters::mesh_implicit(implicit_vessel(domain), {});
   const LabelSet inside = only_lumen();
-  settle_labels(cells.nodes_mm, cells.cells, cells.label, std::span(&inside, 1), crumb_cells);
+  repair_labels(cells.nodes_mm, cells.cells, cells.label, std::span(&inside, 1), crumb_cells);
   improve(cells.nodes_mm, cells.cells, cells.label, lumen_label + 1, {});
   return cells;
 }
@@ -116,8 +116,8 @@ LabelledCells lattice_vessel(const VesselDomain& domain) {
     tetmesh::repair(complex, materials, repairing);
     if (off == 0) break;
   }
-  tetmesh::rescue(complex, materials, repairing, kept_quality, tetmesh::OnFailure::go_on);
-  surface_fit::separate_sheets(complex, repairing.least);
+  tetmesh::remesh_worst(complex, materials, repairing, kept_quality, tetmesh::OnFailure::go_on);
+  surface_fit::resolve_self_intersections(complex, repairing.least);
   tetmesh::compress(complex);
   auto cells = collect(complex, domain.lumen.grid);
   for (std::size_t c = 0; c < cells.cells.size(); ++c) {
@@ -136,7 +136,7 @@ LabelVolume cropped(const Mask& lumen, Region vessel) {
   const auto& counts = components.voxel_count;
   const auto largest = counts.size() > 1 ? *std::max_element(counts.begin() + 1, counts.end()) : 0;
   const auto keeps = [&](std::int32_t c) {
-    return static_cast<double>(counts[static_cast<std::size_t>(c)]) >= least_component * static_cast<double>(largest);
+    return static_cast<double>(counts[static_cast<std::size_t>(c)]) >= min_component * static_cast<double>(largest);
   };
   Index3 low = lumen.grid.size, high{-1, -1, -1};
   const auto for_set = [&](const auto& visit) {
@@ -170,9 +170,9 @@ LabelVolume cropped(const Mask& lumen, Region vessel) {
 }
 
 // Without the branches that cells of the wanted size cannot fill; everything where all would go.
-Mask without_thin_branches(const Mask& lumen, double least_radius_mm) {
+Mask without_thin_branches(const Mask& lumen, double min_radius_mm) {
   const auto& s = lumen.grid.spacing_mm;
-  const Mask wide = image::open(lumen, least_radius_mm);
+  const Mask wide = image::open(lumen, min_radius_mm);
   if (image::count(wide) == 0) return lumen;
   return image::intersect(lumen, image::dilate(wide, 1.01 * std::max({s.x, s.y, s.z})));
 }
@@ -188,15 +188,15 @@ VesselDomain vessel_domain(const Mask& lumen, Region vessel, const MeshSettings&
   domain.wall_edge_mm = (is_trachea ? 1 : wall_per_edge) * domain.edge_mm;
   domain.stub_mm = stub_edges * domain.edge_mm;
   const double smoothing_mm = std::min(settings.smoothing_mm, smoothing_per_edge * domain.wall_edge_mm);
-  domain.lumen = make_domain(cropped(without_thin_branches(lumen, least_radius_edges * domain.wall_edge_mm), vessel),
-                             smoothing_mm);
+  domain.lumen =
+      make_domain(cropped(without_thin_branches(lumen, min_radius_edges * domain.wall_edge_mm), vessel), smoothing_mm);
   Mask smooth(domain.lumen.grid);
   for (std::size_t v = 0; v < smooth.voxels.size(); ++v) smooth.voxels[v] = domain.lumen.voxels[v] != 0;
   domain.distance_mm = image::signed_distance(smooth);
   domain.ends = find_vessel_ends(smooth);
-  if (domain.ends.size() < 2 || domain.ends.size() > most_ends)
+  if (domain.ends.size() < 2 || domain.ends.size() > max_ends)
     throw UserError(fmt::format("region {} has {} open ends", region_name(tag(vessel)), domain.ends.size()), "mesh",
-                    fmt::format("a vessel has 2 to {}; its mask is not a tube", most_ends));
+                    fmt::format("a vessel has 2 to {}; its mask is not a tube", max_ends));
   return domain;
 }
 

@@ -10,13 +10,13 @@
 namespace heartgen::mesh {
 namespace {
 
-constexpr float least_edge_mm = 0.1F;
+constexpr float min_edge_mm = 0.1F;
 
 void refuse_impossible_lengths(const Volume<float>& image_mm) {
   for (const float edge : image_mm.voxels)
-    if (!(edge >= 0) || (edge > 0 && edge < least_edge_mm))
+    if (!(edge >= 0) || (edge > 0 && edge < min_edge_mm))
       throw UserError(fmt::format("holds the edge length {} mm", edge), "size field of the mesh",
-                      fmt::format("give lengths of at least {} mm, and 0 where nothing is wished", least_edge_mm));
+                      fmt::format("give lengths of at least {} mm, and 0 where nothing is wished", min_edge_mm));
 }
 
 float nearest(const Volume<float>& image_mm, const Vec3& lps_mm) {

@@ -10,7 +10,7 @@ namespace heartgen::mesh {
 
 /// Smallest sine of the six dihedral angles, signed like the volume: 0 for flat cells, 0.94 for the regular one.
 /// sin = 3 V l / (2 A1 A2) for the edge of length l between faces of areas A1 and A2.
-inline double least_sine(const std::array<Vec3, 4>& p) {
+inline double min_sine(const std::array<Vec3, 4>& p) {
   const Vec3 e01 = p[1] - p[0], e02 = p[2] - p[0], e03 = p[3] - p[0];
   const Vec3 e12 = p[2] - p[1], e13 = p[3] - p[1], e23 = p[3] - p[2];
   const double six_volumes = dot(e01, cross(e02, e03));

@@ -229,9 +229,9 @@ void smooth(Volume<float>& volume, const Kernels& kernels) {
   smooth(volume, kernels, scratch);
 }
 
-ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box, const Kernels& kernels,
-                       std::vector<float>& scratch) {
-  ShareField field;
+FractionField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box, const Kernels& kernels,
+                          std::vector<float>& scratch) {
+  FractionField field;
   field.label = label;
   Grid grid;
   grid.spacing_mm = labels.grid.spacing_mm;
@@ -253,7 +253,7 @@ ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box&
   return field;
 }
 
-float share_at(const ShareField& field, const Index3& voxel) {
+float share_at(const FractionField& field, const Index3& voxel) {
   const Index3 at{voxel[0] - field.first[0], voxel[1] - field.first[1], voxel[2] - field.first[2]};
   return field.share.grid.contains(at[0], at[1], at[2]) ? field.share(at[0], at[1], at[2]) : 0.0F;
 }
@@ -262,7 +262,7 @@ Index3 reach_of(const Kernels& kernels) {
   return {radius_of(kernels[0]), radius_of(kernels[1]), radius_of(kernels[2])};
 }
 
-void add_kernel(ShareField& field, const Index3& voxel, float amount, const Kernels& kernels) {
+void add_kernel(FractionField& field, const Index3& voxel, float amount, const Kernels& kernels) {
   Index3 low, high, first_weight;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::int64_t radius = radius_of(kernels[a]), center = voxel[a] - field.first[a];

@@ -51,23 +51,23 @@ void smooth(Volume<float>& volume, const Kernels& kernels, std::vector<float>& s
 void smooth(Volume<float>& volume, const Kernels& kernels);
 
 /// Share of one label in the smoothed map, on the box of voxels where it can differ from 0.
-struct ShareField {
+struct FractionField {
   std::uint8_t label = 0;  ///< region tag; 0 is the outside
   Index3 first{0, 0, 0};   ///< voxel of the label map where the box begins
   Volume<float> share;     ///< about [0, 1], values at voxel centres
 };
 
 /// The smoothed indicator of a label all of whose voxels lie in the box.
-ShareField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box, const Kernels& kernels,
-                       std::vector<float>& scratch);
+FractionField share_field(const LabelVolume& labels, std::uint8_t label, const Box& box, const Kernels& kernels,
+                          std::vector<float>& scratch);
 
 /// The share at a voxel of the label map; 0 outside the field's box.
-float share_at(const ShareField& field, const Index3& voxel);
+float share_at(const FractionField& field, const Index3& voxel);
 
 /// How far a kernel reaches, in voxels.
 Index3 reach_of(const Kernels& kernels);
 
 /// Adds `amount` times the kernel around a voxel of the label map.
-void add_kernel(ShareField& field, const Index3& voxel, float amount, const Kernels& kernels);
+void add_kernel(FractionField& field, const Index3& voxel, float amount, const Kernels& kernels);
 
 }  // namespace heartgen::mesh

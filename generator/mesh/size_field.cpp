@@ -211,11 +211,11 @@ void lower_around(Volume<float>& sizes, const Vec3& lps_mm, float edge_mm) {
       for (auto i = low[0]; i <= high[0]; ++i) sizes(i, j, k) = std::min(sizes(i, j, k), edge_mm);
 }
 
-constexpr double most_cells = 2e7;
+constexpr double max_cells = 2e7;
 
 void refuse_too_many_cells(double thin_mm3, double edge_mm, int layers) {
   const double cells = stuffing::cells_per_cube * thin_mm3 / (edge_mm * edge_mm * edge_mm);
-  if (cells <= most_cells) return;
+  if (cells <= max_cells) return;
   throw UserError(fmt::format("{} layers would put about {:.0f} million cells into thin walls", layers, cells / 1e6),
                   "recipe, [mesh] wall_layers", "ask for fewer layers or a longer heart_edge_mm");
 }
@@ -247,7 +247,7 @@ void refuse_too_many_own_cells(const Volume<float>& sizes, const MeshDomain& dom
   for (std::size_t v = 0; v < sizes.voxels.size(); ++v)
     if (labels.voxels[v] != 0) cubes += spacing.x * spacing.y * spacing.z / math::pow(sizes.voxels[v], 3);
   const double cells = stuffing::cells_per_cube * cubes;
-  if (cells <= most_cells) return;
+  if (cells <= max_cells) return;
   throw UserError(fmt::format("it asks for about {:.0f} million cells", cells / 1e6), "size field of the mesh",
                   "wish longer edges, or the short ones in a smaller part of the image");
 }
@@ -282,8 +282,8 @@ Volume<float> size_field(const MeshDomain& domain, const MeshSettings& settings,
 }
 
 double finest_body_edge_mm(const MeshSettings& settings) {
-  constexpr double least_share = 0.25;  // of the torso's edge: details far from the heart may cost so much, not more
-  return std::max(settings.heart_edge_mm, least_share * settings.torso_edge_mm);
+  constexpr double min_share = 0.25;  // of the torso's edge: details far from the heart may cost so much, not more
+  return std::max(settings.heart_edge_mm, min_share * settings.torso_edge_mm);
 }
 
 double edge_at(const Volume<float>& sizes, const Vec3& lps_mm) {

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "generator/mesh/domain.hpp"
-#include "generator/mesh/settle_labels.hpp"
+#include "generator/mesh/label_repair.hpp"
 #include "model/recipe.hpp"
 
 namespace heartgen::mesh {
@@ -27,7 +27,7 @@ LabelSet regions_with_shape();
 /// The finest edges that thin parts of the body may get.
 double finest_body_edge_mm(const MeshSettings& settings);
 
-constexpr int most_wall_layers = 4;
+constexpr int max_wall_layers = 4;
 
 double edge_at(const Volume<float>& sizes, const Vec3& lps_mm);
 

@@ -102,7 +102,7 @@ double whole_edge_mm(const SliceSettings& settings, float from_muscle_mm) {
 
 // Before the work: equilateral triangles of the wanted edges, and as many again at interfaces.
 void refuse_too_many(const LabelVolume& tissues, const SliceSettings& settings) {
-  constexpr double most_triangles = 2e7, at_interfaces = 2;
+  constexpr double max_triangles = 2e7, at_interfaces = 2;
   const auto from_muscle = image::distance_to(muscle_of(tissues));
   const double pixel_mm2 = tissues.grid.spacing_mm.x * tissues.grid.spacing_mm.y;
   double triangles = 0;
@@ -110,9 +110,9 @@ void refuse_too_many(const LabelVolume& tissues, const SliceSettings& settings) 
     const double edge = whole_edge_mm(settings, from_muscle.voxels[v]);
     if (tissues.voxels[v] != 0) triangles += at_interfaces * pixel_mm2 / (0.25 * std::numbers::sqrt3 * edge * edge);
   }
-  if (triangles > most_triangles)
+  if (triangles > max_triangles)
     throw UserError(fmt::format("an edge of {} mm gives about {:.1g} triangles", settings.edge_mm, triangles), "slice",
-                    fmt::format("give a longer edge: at most {:.0g} triangles are made", most_triangles));
+                    fmt::format("give a longer edge: at most {:.0g} triangles are made", max_triangles));
 }
 
 /// Labels and wanted edges on a grid about as fine as the edges.
@@ -122,12 +122,12 @@ struct FineSlice {
 };
 
 LabelVolume fine_labels(const MeshDomain& domain, double edge_mm) {
-  constexpr std::int64_t most_samples = 6'000'000;
+  constexpr std::int64_t max_samples = 6'000'000;
   const auto& coarse = domain.grid;
   std::int64_t factor = 1;
   const double pixel = std::min(coarse.spacing_mm.x, coarse.spacing_mm.y);
   while (pixel / static_cast<double>(factor) > edge_mm &&
-         coarse.size[0] * coarse.size[1] * (factor + 1) * (factor + 1) <= most_samples)
+         coarse.size[0] * coarse.size[1] * (factor + 1) * (factor + 1) <= max_samples)
     ++factor;
   const auto f = static_cast<double>(factor);
   Grid grid;
@@ -215,7 +215,7 @@ tetmesh::Materials materials_of(const MeshDomain& domain, const FineSlice& fine)
     return sample_linear(fine.edge_mm, index_from_lps(fine.edge_mm.grid, {p.x, p.y, 0}));
   };
   materials.equations_at = [&domain](tetmesh::LabelBits labels, const Vec3& p, std::span<tetmesh::Equation> equations) {
-    std::array<SurfaceEquation, tetmesh::most_equations> found;
+    std::array<SurfaceEquation, tetmesh::max_equations> found;
     const int count = equations_at(domain, labels, index_of(domain.grid, p), std::span(found).first(equations.size()));
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
       equations[i] = {found[i].value, {found[i].gradient.x, found[i].gradient.y, 0}};
@@ -276,13 +276,13 @@ TriMesh collect(const distmesh::Triangles& mesh, const Grid& grid) {
 
 void measure_angles(const distmesh::Triangles& mesh, SliceReport& report) {
   constexpr double least = 28, greatest = 120;
-  report.least_angle_deg = 180;
+  report.min_angle_deg = 180;
   for (const auto& corners : mesh.corners) {
     bool is_outside = false;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 a = mesh.at(corners[i]), u = mesh.at(corners[(i + 1) % 3]) - a, v = mesh.at(corners[(i + 2) % 3]) - a;
       const double angle = math::atan2(u.x * v.y - u.y * v.x, dot(u, v)) * 180 / std::numbers::pi;
-      report.least_angle_deg = std::min(report.least_angle_deg, angle);
+      report.min_angle_deg = std::min(report.min_angle_deg, angle);
       report.greatest_angle_deg = std::max(report.greatest_angle_deg, angle);
       is_outside = is_outside || angle < least || angle > greatest;
     }
@@ -340,10 +340,10 @@ TriMesh mesh_slice(const LabelVolume& labels, std::int64_t index, const SliceSet
   const auto domain = make_domain(tissues, settings.smoothing_mm);
   const auto fine = fine_slice(domain, settings);
   const auto materials = materials_of(domain, fine);
-  auto truss_settings = distmesh::usual_settings(distmesh::Dimension::two);
+  auto truss_settings = distmesh::default_settings(distmesh::Dimension::two);
   truss_settings.iterations = settings.iterations;
-  const double least_edge = static_cast<double>(*std::ranges::min_element(fine.edge_mm.voxels));
-  auto mesh = distmesh::triangles_of(distmesh::relax(materials, distmesh::Dimension::two, least_edge, truss_settings));
+  const double min_edge = static_cast<double>(*std::ranges::min_element(fine.edge_mm.voxels));
+  auto mesh = distmesh::triangles_of(distmesh::relax(materials, distmesh::Dimension::two, min_edge, truss_settings));
   const double truss_seconds = seconds_since(start);
   const distmesh::TriangleGoal goal;
   distmesh::improve_triangles(mesh, materials, goal);

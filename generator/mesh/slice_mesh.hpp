@@ -20,7 +20,7 @@ struct SliceSettings {
 
 /// What was measured on a slice's mesh.
 struct SliceReport {
-  double least_angle_deg = 0, greatest_angle_deg = 0;
+  double min_angle_deg = 0, greatest_angle_deg = 0;
   std::int64_t outside_bounds = 0;            ///< triangles with an angle outside [28, 120] degrees
   double distance_p99 = 0, distance_max = 0;  ///< of interface edges (ends and middles) to their curve, in edges
   std::map<std::string, double> area_mm2, curve_area_mm2;  ///< per region: of its triangles, and inside its curves

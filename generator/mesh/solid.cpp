@@ -71,12 +71,12 @@ void roll(LevelSet& distance, float radius_mm, float side, float band_mm) {
 
 // Where a ball does not pass a bridge or fills one, it leaves islands and bubbles. They go, but for the largest: the
 // inside's (`side` 1) become outside or the other way round (-1), as deep as they were.
-void drop_islands(LevelSet& distance, double least_mm3, float side) {
+void drop_islands(LevelSet& distance, double min_mm3, float side) {
   Mask inside(distance.grid);
   for (std::size_t v = 0; v < inside.voxels.size(); ++v) inside.voxels[v] = side * distance.voxels[v] < 0;
   const auto parts = image::connected_components(inside);
   const auto largest = std::max_element(parts.voxel_count.begin() + 1, parts.voxel_count.end());
-  const auto least = std::min(static_cast<std::int64_t>(least_mm3 / distance.grid.voxel_volume_mm3()),
+  const auto least = std::min(static_cast<std::int64_t>(min_mm3 / distance.grid.voxel_volume_mm3()),
                               parts.voxel_count.size() > 1 ? *largest : 0);
   for (std::size_t v = 0; v < inside.voxels.size(); ++v)
     if (inside.voxels[v] != 0 && parts.voxel_count[static_cast<std::size_t>(parts.label.voxels[v])] < least)
@@ -101,18 +101,18 @@ LevelSet wall_level_set(const MeshDomain& domain, double voxel_mm, const Narrowe
   const auto& spacing = level_set.grid.spacing_mm;
   smooth(level_set, gaussian_kernels({blur_mm / spacing.x, blur_mm / spacing.y, blur_mm / spacing.z}));
   roll(level_set, after_blur * wall_radius, 1, band);
-  const double least_mm3 = smallest_part * math::pow(narrowest.wall_mm, 3);
-  drop_islands(level_set, least_mm3, 1);
-  drop_islands(level_set, least_mm3, -1);
+  const double min_mm3 = smallest_part * math::pow(narrowest.wall_mm, 3);
+  drop_islands(level_set, min_mm3, 1);
+  drop_islands(level_set, min_mm3, -1);
   return level_set;
 }
 
 LevelSet smooth_distance(const Mask& mask, double smoothing_mm) {
-  constexpr double least_smoothing_voxels = 1.3;  // less follows the stairs
+  constexpr double min_smoothing_voxels = 1.3;  // less follows the stairs
   auto level_set = image::signed_distance(mask);
   Vec3 sigma;
   for (int axis = 0; axis < 3; ++axis)
-    sigma[axis] = std::max(smoothing_mm / level_set.grid.spacing_mm[axis], least_smoothing_voxels);
+    sigma[axis] = std::max(smoothing_mm / level_set.grid.spacing_mm[axis], min_smoothing_voxels);
   smooth(level_set, sharp_kernels(sigma));
   return level_set;
 }

@@ -111,7 +111,7 @@ LabelledCells tetgen_cells(const MeshDomain& domain, const Volume<float>& sizes_
   const auto filled = std::chrono::steady_clock::now();
   const tetmesh::RepairSettings repairing;
   const auto below = tetmesh::repair(complex, materials, repairing);
-  surface_fit::balance_surfaces(complex, materials, repairing.least);
+  surface_fit::correct_surface_volumes(complex, materials, repairing.least);
   tetmesh::compress(complex);
   if (report != nullptr) {
     const auto seconds = [](auto from, auto to) { return std::chrono::duration<double>(to - from).count(); };

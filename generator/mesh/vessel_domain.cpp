@@ -144,7 +144,7 @@ tetmesh::Materials materials_of(const VesselDomain& domain) {
 
 std::int64_t flatten_cuts(tetmesh::Complex& c, const VesselDomain& domain) {
   relabel_at_cuts(c, domain);
-  constexpr double least_quality = 0.1;  // what comes after can mend that
+  constexpr double min_quality = 0.1;  // what comes after can mend that
   std::int64_t off = 0;
   c.frozen.assign(c.nodes_mm.size(), 0);
   for (std::size_t n = 0; n < c.nodes_mm.size(); ++n) {
@@ -156,7 +156,7 @@ std::int64_t flatten_cuts(tetmesh::Complex& c, const VesselDomain& domain) {
     c.nodes_mm[n] = old - beyond * (transposed(domain.lumen.grid.direction) * end.normal);
     c.frozen[n] = 1;
     for (const auto t : c.star(node)) tetmesh::update_quality(c, t);
-    if (tetmesh::worst_quality(c, c.star(node)) >= least_quality) continue;
+    if (tetmesh::worst_quality(c, c.star(node)) >= min_quality) continue;
     c.nodes_mm[n] = old;
     c.frozen[n] = 0;
     for (const auto t : c.star(node)) tetmesh::update_quality(c, t);

@@ -18,7 +18,7 @@ constexpr double bump_length_radii = 1.5;  // branches shorter than this many ra
 constexpr double cut_back_radii = 1;       // the plane lies at least this far behind the tip
 constexpr double axis_length_radii = 2.5;  // the axis at a cut comes from this length of vessel
 constexpr double full_section = 0.75;      // the plane lies where the section has this share of the usual area
-constexpr double least_component = 0.2;    // share of the largest component's voxels; smaller ones have no ends
+constexpr double min_component = 0.2;      // share of the largest component's voxels; smaller ones have no ends
 
 struct Lumen {
   Grid grid;
@@ -169,7 +169,7 @@ std::vector<const Shell*> branch_of(const std::vector<Shell>& shells, const std:
   return branch;
 }
 
-double usual_area(const std::vector<const Shell*>& branch) {
+double typical_area(const std::vector<const Shell*>& branch) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < std::min<std::size_t>(branch.size(), 12); ++i) areas.push_back(branch[i]->area_mm2);
   return upper_median(areas);
@@ -190,7 +190,7 @@ Vec3 axis_of(const std::vector<const Shell*>& branch, std::size_t first, double 
 }
 
 VesselEnd end_of_branch(const Lumen& lumen, const std::vector<const Shell*>& branch, double thickness) {
-  const double area = usual_area(branch);
+  const double area = typical_area(branch);
   const double radius = std::sqrt(area / std::numbers::pi);
   std::size_t cut = static_cast<std::size_t>(std::ceil(cut_back_radii * radius / thickness));
   while (cut + 3 < branch.size() && branch[cut]->area_mm2 < full_section * area) ++cut;
@@ -271,7 +271,7 @@ std::vector<VesselEnd> find_vessel_ends(const Mask& mask) {
   for (const auto& c : components) largest = std::max(largest, c.size);
   std::vector<VesselEnd> ends;
   for (const auto& c : components) {
-    if (static_cast<double>(c.size) < least_component * static_cast<double>(largest)) continue;
+    if (static_cast<double>(c.size) < min_component * static_cast<double>(largest)) continue;
     for (const auto& end : ends_of_component(lumen, c.seed, thickness)) ends.push_back(end);
   }
   std::stable_sort(ends.begin(), ends.end(),

@@ -127,7 +127,7 @@ std::vector<std::int32_t> face_labels(const UnstructuredData& mesh, const std::s
   return {found->second.begin(), found->second.end()};
 }
 
-double usual_unit_mm(const fs::path& path) {
+double typical_unit_mm(const fs::path& path) {
   const auto* ending = ending_of(path);
   return ending && ending->read == &read_carp ? 0.001 : 1;
 }

@@ -34,6 +34,6 @@ std::vector<std::int32_t> cell_labels(const UnstructuredData& mesh, const std::s
 std::vector<std::int32_t> face_labels(const UnstructuredData& mesh, const std::string& labels);
 
 /// mm per unit of the file as its readers take it: 0.001 for openCARP's files, 1 for the others.
-double usual_unit_mm(const std::filesystem::path& path);
+double typical_unit_mm(const std::filesystem::path& path);
 
 }  // namespace heartgen::mesh_files

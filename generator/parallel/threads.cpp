@@ -25,7 +25,7 @@ void pause() {
 /// nobody waiting.
 struct Loop {
   Loop(std::int64_t first, std::int64_t last, int piece_count, const LoopBody& loop_body)
-      : begin(first), end(last), pieces(piece_count), parts(loop_body.is_divisible ? most_parts : 1), body(loop_body) {
+      : begin(first), end(last), pieces(piece_count), parts(loop_body.is_divisible ? max_parts : 1), body(loop_body) {
     begun = std::vector<std::atomic<int>>(static_cast<std::size_t>(pieces));
     errors.resize(static_cast<std::size_t>(pieces) * static_cast<std::size_t>(parts));
   }
@@ -40,7 +40,7 @@ struct Loop {
     inside_loop = false;
   }
 
-  static constexpr int most_parts = 4;
+  static constexpr int max_parts = 4;
   std::int64_t begin = 0, end = 0;
   int pieces = 1, parts = 1;
   LoopBody body{};

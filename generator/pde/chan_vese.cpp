@@ -81,7 +81,7 @@ void divide_links(const RowRuns& links, const Slab<std::uint8_t>& domain, Relaxa
 void fix_decided(PrimalDualFields& fields, Relaxation& r, const Slab<float>& image, const Slab<std::uint8_t>& domain,
                  const Comm& comm) {
   const AxisWeights weights = axis_weights(image.grid);
-  const auto state = decide(image, domain, scaled(r.force, gradient_bound(weights)), weights, comm);
+  const auto state = screen(image, domain, scaled(r.force, gradient_bound(weights)), weights, comm);
   const auto nx = image.grid.size[0];
   parallel::for_rows(fields.u, [&](std::int64_t j, std::int64_t k) {
     const std::uint8_t* s = state.row(j, k);
@@ -217,8 +217,8 @@ ChanVeseResult solve(const Slab<float>& image, const Slab<std::uint8_t>& domain,
   const auto progress = minimise(image, domain, settings, start, fixed, sides, comm);
   auto above = above_mask(sides, comm);
   const AxisWeights weights = axis_weights(image.grid);
-  descend(image, domain, scaled(progress.last.force, gradient_bound(weights)), weights, progress.last.free,
-          descent_passes, above, comm);
+  descend_coordinates(image, domain, scaled(progress.last.force, gradient_bound(weights)), weights, progress.last.free,
+                      descent_passes, above, comm);
   const auto side_of = [](std::uint8_t side, std::uint8_t is_above) -> std::uint8_t {
     if (side == side_none) return side_none;
     return is_above ? side_above : side_below;
@@ -242,7 +242,7 @@ ChanVeseResult chan_vese(const Slab<float>& image, const Slab<std::uint8_t>& dom
                          const Comm& comm) {
   check(settings);
   check_domain(domain, comm);
-  return solve(image, domain, two_classes(image, domain, settings.norm, comm), false, settings, comm);
+  return solve(image, domain, two_means(image, domain, settings.norm, comm), false, settings, comm);
 }
 
 ChanVeseResult chan_vese_at(const Slab<float>& image, const Slab<std::uint8_t>& domain, double c_below, double c_above,

@@ -252,7 +252,7 @@ ChanVeseFlowResult chan_vese_flow(const Slab<float>& image, const MaskSlab& doma
   std::int64_t voxels = std::ranges::count_if(domain.owned(), [](std::uint8_t d) { return d != 0; });
   if (parallel::sum_int64(comm, voxels) == 0)
     throw UserError("the domain to be segmented is empty", "chan_vese_flow", "check the steps that define it");
-  const auto classes = two_classes(image, domain, settings.norm, comm);
+  const auto classes = two_means(image, domain, settings.norm, comm);
   const auto threshold = static_cast<float>((classes.c_below + classes.c_above) / 2);
   auto phi = parallel::make_slab_like<float>(image, 1);
   std::ranges::transform(image.owned(), phi.owned().begin(), [&](float g) { return g > threshold ? 1.0f : -1.0f; });

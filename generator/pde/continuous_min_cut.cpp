@@ -119,8 +119,8 @@ double dual_energy(PrimalDualFields& fields, const Problem& p, const Comm& comm)
 
 }  // namespace
 
-MinimalCutResult minimal_cut(const Slab<float>& weight, const Slab<std::uint8_t>& state,
-                             const MinimalCutSettings& settings, const Comm& comm) {
+MinimalCutResult continuous_min_cut(const Slab<float>& weight, const Slab<std::uint8_t>& state,
+                                    const MinimalCutSettings& settings, const Comm& comm) {
   check(weight, state, comm);
   const Problem problem = make_problem(weight, state);
   auto fields = make_primal_dual(initial_field(state), comm);
@@ -136,8 +136,8 @@ MinimalCutResult minimal_cut(const Slab<float>& weight, const Slab<std::uint8_t>
   return {std::move(fields.u), energies.gap(), unit * energies.primal, iterations};
 }
 
-MinimalCutVolume minimal_cut(const Volume<float>& weight_on_root, const Mask& state_on_root,
-                             const MinimalCutSettings& settings, const Comm& comm) {
+MinimalCutVolume continuous_min_cut(const Volume<float>& weight_on_root, const Mask& state_on_root,
+                                    const MinimalCutSettings& settings, const Comm& comm) {
   const Box box = parallel::run_on_root(comm, [&] {
     if (weight_on_root.grid.size != state_on_root.grid.size)
       throw UserError("edge weight and band differ in size", "minimal_cut", "both must be on the same grid");
@@ -151,7 +151,7 @@ MinimalCutVolume minimal_cut(const Volume<float>& weight_on_root, const Mask& st
   };
   const auto weight = part(weight_on_root);
   const auto state = part(state_on_root);
-  auto found = minimal_cut(weight, state, settings, comm);
+  auto found = continuous_min_cut(weight, state, settings, comm);
   MinimalCutVolume result{{}, found.duality_gap, found.energy, found.iterations};
   const auto u = parallel::gather(found.u, comm);
   if (comm.is_root()) {

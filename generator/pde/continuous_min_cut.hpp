@@ -30,8 +30,8 @@ struct MinimalCutResult {
 /// `weight` is h > 0, needed on free voxels and their neighbours. Both slabs have one ghost slice at least, filled.
 /// Voxels that are not free (nor neighbours of one) cost next to nothing. Throws UserError for a state mask without
 /// inner, outer or free voxels, or a weight that is not positive and finite on a free voxel. @collective
-MinimalCutResult minimal_cut(const parallel::Slab<float>& weight, const parallel::Slab<std::uint8_t>& state,
-                             const MinimalCutSettings& settings, const parallel::Comm& comm);
+MinimalCutResult continuous_min_cut(const parallel::Slab<float>& weight, const parallel::Slab<std::uint8_t>& state,
+                                    const MinimalCutSettings& settings, const parallel::Comm& comm);
 
 struct MinimalCutVolume {
   Volume<float> u;  ///< on the root only
@@ -42,7 +42,7 @@ struct MinimalCutVolume {
 
 /// The same for whole volumes on the root (both on the same grid), restricted to the bounding box of the free voxels.
 /// Gap, energy and iterations are known on every rank. @collective
-MinimalCutVolume minimal_cut(const Volume<float>& weight_on_root, const Mask& state_on_root,
-                             const MinimalCutSettings& settings, const parallel::Comm& comm);
+MinimalCutVolume continuous_min_cut(const Volume<float>& weight_on_root, const Mask& state_on_root,
+                                    const MinimalCutSettings& settings, const parallel::Comm& comm);
 
 }  // namespace heartgen::pde

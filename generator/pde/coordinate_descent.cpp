@@ -111,8 +111,9 @@ struct LastChanges {
 
 }  // namespace
 
-void descend(const Slab<float>& image, const Bytes& domain, const LinearForce& force, const AxisWeights& weights,
-             const RowRuns& visited, int passes, Bytes& above, const Comm& comm) {
+void descend_coordinates(const Slab<float>& image, const Bytes& domain, const LinearForce& force,
+                         const AxisWeights& weights, const RowRuns& visited, int passes, Bytes& above,
+                         const Comm& comm) {
   const Problem p{image, domain, force, weights};
   const auto ny = image.grid.size[1];
   LastChanges last{image.first, image.count, ny, std::vector<int>(static_cast<std::size_t>(image.count * ny), -1)};

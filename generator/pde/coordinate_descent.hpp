@@ -13,8 +13,8 @@ namespace heartgen::pde {
 /// of `visited`. The 1/2 level of the relaxed problem's solution minimises that sum up to what the discrete TV of a
 /// jump differs from that of a slope; this takes the rest. Voxels that share no term go together: four classes, in a
 /// fixed order. `above` has one ghost slice, filled. @collective
-void descend(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain, const LinearForce& force,
-             const AxisWeights& weights, const RowRuns& visited, int passes, parallel::Slab<std::uint8_t>& above,
-             const parallel::Comm& comm);
+void descend_coordinates(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain,
+                         const LinearForce& force, const AxisWeights& weights, const RowRuns& visited, int passes,
+                         parallel::Slab<std::uint8_t>& above, const parallel::Comm& comm);
 
 }  // namespace heartgen::pde

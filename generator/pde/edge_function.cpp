@@ -57,7 +57,7 @@ Slab<float> edge_function(const Slab<float>& image, const EdgeSettings& settings
   return result;
 }
 
-double usual_edge_per_mm(const Volume<float>& image, double smoothing_mm) {
+double default_edge_per_mm(const Volume<float>& image, double smoothing_mm) {
   if (image.voxels.empty()) throw UserError("the image is empty", "edge function", "check the input file");
   std::vector<float> values = image.voxels;
   const double range = double{quantile(values, 0.99)} - double{quantile(values, 0.01)},

@@ -18,6 +18,6 @@ parallel::Slab<float> edge_function(const parallel::Slab<float>& image, const Ed
 
 /// A slope that parts edges from the rest where nothing is known of the image: a tenth of the slope of a step from its
 /// darkest to its brightest hundredth, blurred by the smoothing (by half a voxel at least). Root only.
-double usual_edge_per_mm(const Volume<float>& image, double smoothing_mm);
+double default_edge_per_mm(const Volume<float>& image, double smoothing_mm);
 
 }  // namespace heartgen::pde

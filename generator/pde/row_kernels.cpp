@@ -38,13 +38,13 @@ HEARTGEN_INLINE float gradient_norm(const DualRow& row, std::int64_t i, float dx
 }
 
 /// Beyond this many edges, squared, the conductivity falls no more: products of three stay in the range of a float.
-constexpr float most_squared = 1e8f;
+constexpr float max_squared = 1e8f;
 
 /// The sum of the fluxes step d / (1 + d² / edge²) over three faces, with one division for the three.
 HEARTGEN_INLINE float fluxes(float x, float y, float z, const AxisWeights& step, float inverse_edge2) {
-  const float a = 1.0f + smaller(x * x * inverse_edge2, most_squared);
-  const float b = 1.0f + smaller(y * y * inverse_edge2, most_squared);
-  const float c = 1.0f + smaller(z * z * inverse_edge2, most_squared);
+  const float a = 1.0f + smaller(x * x * inverse_edge2, max_squared);
+  const float b = 1.0f + smaller(y * y * inverse_edge2, max_squared);
+  const float c = 1.0f + smaller(z * z * inverse_edge2, max_squared);
   const float bc = b * c;
   const float inverse = 1.0f / (a * bc);
   return (step.x * x * inverse) * bc + ((step.y * y * inverse) * (a * c) + (step.z * z * inverse) * (a * b));

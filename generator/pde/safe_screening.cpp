@@ -16,7 +16,7 @@ using parallel::Slab;
 constexpr float margin = 1e-4f;
 
 /// Rounds end here, or when one decides less than this part (one over it) of what was left.
-constexpr int most_rounds = 20;
+constexpr int max_rounds = 20;
 constexpr std::int64_t worthwhile = 50;
 
 /// Norms of the weights of any set of the three upper neighbours; bit a of the index stands for axis a.
@@ -155,14 +155,14 @@ std::int64_t size_of(const OpenSlices& open) {
 
 }  // namespace
 
-Slab<std::uint8_t> decide(const Slab<float>& image, const Slab<std::uint8_t>& domain, const LinearForce& force,
+Slab<std::uint8_t> screen(const Slab<float>& image, const Slab<std::uint8_t>& domain, const LinearForce& force,
                           const AxisWeights& weights, const Comm& comm) {
   const Problem problem{image, force, weights, norms_of(weights)};
   auto state = parallel::make_slab_like<std::uint8_t>(domain, 1);
   std::ranges::transform(domain.owned(), state.owned().begin(),
                          [](std::uint8_t d) { return d ? undecided : decided_outside; });
   auto open = first_round(problem, state);
-  for (int round = 1; round < most_rounds; ++round) {
+  for (int round = 1; round < max_rounds; ++round) {
     parallel::exchange_halo(state, comm);
     std::array<std::int64_t, 2> left_and_decided{size_of(open), 0};
     left_and_decided[1] = decide_more(problem, open, state);

@@ -18,7 +18,7 @@ enum Decision : std::uint8_t { decided_outside = 0, undecided = 1, decided_below
 
 /// The decisions for the force s = gain (g - middle) within ± limit, that of `primal_row_force` at step 1; rounds go on
 /// as long as they decide much. The result has one ghost slice, filled. @collective
-parallel::Slab<std::uint8_t> decide(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain,
+parallel::Slab<std::uint8_t> screen(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain,
                                     const LinearForce& force, const AxisWeights& weights, const parallel::Comm& comm);
 
 }  // namespace heartgen::pde

@@ -12,7 +12,7 @@
 namespace heartgen::pde {
 namespace {
 
-constexpr std::size_t fewest_points = 8;
+constexpr std::size_t min_points = 8;
 constexpr int steps_between_checks = 50;
 
 Point2 operator+(const Point2& a, const Point2& b) { return {a.x + b.x, a.y + b.y}; }
@@ -25,7 +25,7 @@ double norm(const Point2& a) { return math::hypot(a.x, a.y); }
 void check(const Curve& start, const Volume<float>& h, const SnakeSettings& s) {
   if (h.grid.size[2] != 1 || h.grid.size[0] < 3 || h.grid.size[1] < 3)
     throw UserError("a snake lives in a 2D image", "snake", "give one slice");
-  if (start.size() < fewest_points) throw UserError("the snake has too few points", "snake", "give 8 at least");
+  if (start.size() < min_points) throw UserError("the snake has too few points", "snake", "give 8 at least");
   if (!(s.tension_mm >= 0) || !(s.rigidity_mm3 >= 0) || !(s.attraction_mm >= 0) || !std::isfinite(s.balloon))
     throw UserError("tension, rigidity and attraction must not be negative", "snake", "0 leaves a term out");
   if (!(s.spacing_mm >= 0)) throw UserError("the spacing must not be negative", "snake", "0: the pixel spacing");
@@ -60,7 +60,7 @@ double value_at(const Volume<float>& volume, const Point2& p) {
 }
 
 int points_for(const Curve& curve, double spacing) {
-  return std::max(static_cast<int>(fewest_points), static_cast<int>(std::lround(length_mm(curve) / spacing)));
+  return std::max(static_cast<int>(min_points), static_cast<int>(std::lround(length_mm(curve) / spacing)));
 }
 
 /// Steps that the explicit part (edges a pixel wide, the balloon) bears.
@@ -212,7 +212,7 @@ SnakeResult evolve_snake(const Curve& start, const Volume<float>& h, const Snake
       result.end = SnakeEnd::left_the_image;
       break;
     }
-    if (length_mm(result.curve) < static_cast<double>(fewest_points) * spacing) {
+    if (length_mm(result.curve) < static_cast<double>(min_points) * spacing) {
       result.end = SnakeEnd::collapsed;
       break;
     }

@@ -53,7 +53,7 @@ void step(Slab<float>& u, Slab<float>& r, Slab<float>& d, Slab<float>& next, con
   std::swap(d.values, next.values);
 }
 
-constexpr double most_extents = 4;  // greater lengths change nothing but the number of steps, without end
+constexpr double max_extents = 4;  // greater lengths change nothing but the number of steps, without end
 
 double largest_extent(const Grid& grid) {
   double largest = 0;
@@ -68,11 +68,11 @@ void sobolev(Slab<float>& image, const SobolevSettings& settings, const Comm& co
   if (!(settings.length_mm >= 0)) throw UserError("length_mm must not be negative", "sobolev", "");
   if (!(settings.tolerance > 0 && settings.tolerance < 1))
     throw UserError("tolerance must lie in (0, 1)", "sobolev", "1e-4 is the usual value");
-  const double most_mm = most_extents * largest_extent(image.grid);
-  if (settings.length_mm > most_mm)
+  const double max_mm = max_extents * largest_extent(image.grid);
+  if (settings.length_mm > max_mm)
     throw UserError(
-        fmt::format("length_mm is {:g}, the image's longest side {:g} mm", settings.length_mm, most_mm / most_extents),
-        "sobolev", fmt::format("give at most {:g}: there the image has become its mean", most_mm));
+        fmt::format("length_mm is {:g}, the image's longest side {:g} mm", settings.length_mm, max_mm / max_extents),
+        "sobolev", fmt::format("give at most {:g}: there the image has become its mean", max_mm));
   const double length = settings.length_mm / smallest_spacing(image.grid);
   const AxisWeights laplacian = squared(axis_weights(image.grid), length * length);
   const double largest = 1 + 4 * (double{laplacian.x} + laplacian.y + laplacian.z);

@@ -168,7 +168,7 @@ Slab<std::uint8_t> above_mask(const Slab<std::uint8_t>& sides, const Comm& comm)
   return above;
 }
 
-TwoClasses two_classes(const Slab<float>& image, const Slab<std::uint8_t>& domain, Norm norm, const Comm& comm) {
+TwoClasses two_means(const Slab<float>& image, const Slab<std::uint8_t>& domain, Norm norm, const Comm& comm) {
   const Range range = grey_range(image, domain, comm);
   if (!(range.low < range.high)) return {range.low, range.low};
   auto classes = best_split(grey_histogram(image, domain, range, comm), range, norm);

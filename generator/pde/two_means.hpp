@@ -34,7 +34,7 @@ std::int64_t divide_at_level(const parallel::Slab<float>& field, float level, pa
 parallel::Slab<std::uint8_t> above_mask(const parallel::Slab<std::uint8_t>& sides, const parallel::Comm& comm);
 
 /// The domain must not be empty. @collective
-TwoClasses two_classes(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain, Norm norm,
-                       const parallel::Comm& comm);
+TwoClasses two_means(const parallel::Slab<float>& image, const parallel::Slab<std::uint8_t>& domain, Norm norm,
+                     const parallel::Comm& comm);
 
 }  // namespace heartgen::pde

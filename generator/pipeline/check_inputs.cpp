@@ -190,8 +190,8 @@ void refuse_cut_ventricles(const LabelVolume& labels, const anatomy::Padding& pa
 }
 
 void refuse_cut_ventricles(double cut_cm2) {
-  constexpr double most_cm2 = 3;  // a whole section: 15 and more
-  if (cut_cm2 > most_cm2)
+  constexpr double max_cm2 = 3;  // a whole section: 15 and more
+  if (cut_cm2 > max_cm2)
     throw UserError(fmt::format("the field of view cuts the ventricles, over {:.0f} cm2", cut_cm2), "CT",
                     "use a scan that shows the whole heart, or give labels of it");
 }

@@ -40,14 +40,14 @@ void label_cuts(TetMesh& mesh, IsCut is_cut) {
 }  // namespace
 
 void label_torso_cuts(TetMesh& mesh, const Grid& torso_grid) {
-  constexpr double near_voxels = 1, least_cosine = 0.9;
+  constexpr double near_voxels = 1, min_cosine = 0.9;
   const Mat3 axes = transposed(torso_grid.direction);
   label_cuts(mesh, [&](const OuterFace& face) {
     const Vec3 index = index_from_lps(torso_grid, face.center_mm), normal = axes * face.normal;
     for (int axis = 0; axis < 3; ++axis) {
       const double last = static_cast<double>(torso_grid.size[static_cast<std::size_t>(axis)]) - 0.5;
-      if (std::abs(index[axis] + 0.5) < near_voxels && normal[axis] < -least_cosine) return true;
-      if (std::abs(index[axis] - last) < near_voxels && normal[axis] > least_cosine) return true;
+      if (std::abs(index[axis] + 0.5) < near_voxels && normal[axis] < -min_cosine) return true;
+      if (std::abs(index[axis] - last) < near_voxels && normal[axis] > min_cosine) return true;
     }
     return false;
   });

@@ -4,7 +4,7 @@
 
 namespace heartgen::pipeline {
 
-Watch::Watch(std::chrono::milliseconds period, Tell tell)
+Heartbeat::Heartbeat(std::chrono::milliseconds period, Tell tell)
     : thread_([this, period, tell = std::move(tell)] {
         const auto start = std::chrono::steady_clock::now();
         auto next = start + period;
@@ -13,7 +13,7 @@ Watch::Watch(std::chrono::milliseconds period, Tell tell)
           tell(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       }) {}
 
-Watch::~Watch() {
+Heartbeat::~Heartbeat() {
   {
     const std::lock_guard lock(mutex_);
     ended_ = true;

@@ -10,12 +10,12 @@ namespace heartgen::pipeline {
 
 /// While it lives, another thread calls `tell` with the seconds since its beginning, every `period`. `tell` must not
 /// touch what the work changes.
-struct Watch {
+struct Heartbeat {
   using Tell = std::function<void(double seconds)>;
-  Watch(std::chrono::milliseconds period, Tell tell);
-  ~Watch();
-  Watch(const Watch&) = delete;
-  Watch& operator=(const Watch&) = delete;
+  Heartbeat(std::chrono::milliseconds period, Tell tell);
+  ~Heartbeat();
+  Heartbeat(const Heartbeat&) = delete;
+  Heartbeat& operator=(const Heartbeat&) = delete;
 
  private:
   std::mutex mutex_;

@@ -93,7 +93,7 @@ LabelVolume labels_not_from_files(const Run& run, const labels::GivenLabels& giv
 LabelVolume make_walls(Run& run, const CtVolume& ct, const LabelVolume& chambers, const LabelVolume& given,
                        bool missing, const Recipe& recipe) {
   if (missing && recipe.input.ct.empty() && !recipe.input.labels.empty())
-    return parallel::run_on_root(run.comm, [&] { return labels::least_walls(chambers, given, recipe.epicardium); });
+    return parallel::run_on_root(run.comm, [&] { return labels::min_walls(chambers, given, recipe.epicardium); });
   LabelVolume own(ct.grid);
   if (missing) {
     const LabelVolume near =

@@ -390,7 +390,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   cache.keep();  // from here on nothing is refused, and what fails for want of room goes on where it stopped
   const auto torso_hash =
       hash_of(inputs, "torso.ct") + hash_of(inputs, "torso.labels") + hash_of(inputs, "torso.landmarks");
-  const auto around = surround(run, heart, ct.value.grid, recipe, torso_hash, warnings);
+  const auto around = place_in_torso(run, heart, ct.value.grid, recipe, torso_hash, warnings);
   const bool has_torso = recipe.torso.is_given();
   const LabelVolume& labels = has_torso ? around->labels : *heart;
   const auto& labels_key = has_torso ? around.key : heart.key;
@@ -403,8 +403,8 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
                      {meshes.key, hash_of(inputs, "atlas") + recipe.input.atlas_array,
                       recipe_section(recipe, "landmarks"), recipe_section(recipe, "fibers")},
                      [&] {
-                       return fibers::carry_fibers(meshes->at("myocardium"), *heart, landmarks_in_bundle(recipe),
-                                                   read_atlas(recipe), recipe.fibers);
+                       return fibers::map_fibers(meshes->at("myocardium"), *heart, landmarks_in_bundle(recipe),
+                                                 read_atlas(recipe), recipe.fibers);
                      });
   run.times.back().parts = fibers->part_times;
   Staged<Resolutions> further;

@@ -36,22 +36,22 @@ void draw_bar(double share, const std::string& name, const std::string& remark) 
                    std::string(static_cast<std::size_t>(width - filled), '.'), 100 * share, name, remark));
 }
 
-std::shared_ptr<Watch> bar_that_moves(const Progress& progress, const std::string& name) {
+std::shared_ptr<Heartbeat> bar_that_moves(const Progress& progress, const std::string& name) {
   const double share = done_share(progress), before_s = seconds_since(progress.start);
   const auto show = [=](double stage_s) {
     const auto left = time_left(share, before_s, stage_s);
     draw_bar(share, name, fmt::format("{:.0f} s{}{}", stage_s, left.empty() ? "" : ", ", left));
   };
   show(0);
-  return {new Watch(std::chrono::seconds(1), show), [](const Watch* watch) {
+  return {new Heartbeat(std::chrono::seconds(1), show), [](const Heartbeat* watch) {
             delete watch;
             draw("\r\033[K");
           }};
 }
 
-std::shared_ptr<Watch> lines_of_life(const Progress& progress, const std::string& name) {
+std::shared_ptr<Heartbeat> lines_of_life(const Progress& progress, const std::string& name) {
   const auto number = progress.next + 1, count = progress.plan.size();
-  return std::make_shared<Watch>(progress.silence, [=](double stage_s) {
+  return std::make_shared<Heartbeat>(progress.silence, [=](double stage_s) {
     fmt::print(stderr, "[{:2}/{}] {:<12} {:.0f} s so far\n", number, count, name, stage_s);
     std::fflush(stderr);
   });

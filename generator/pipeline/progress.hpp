@@ -22,7 +22,7 @@ struct Progress {
   std::size_t next = 0;   ///< stages finished
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   std::chrono::milliseconds silence = longest_silence;  ///< between plain lines, at most
-  std::shared_ptr<Watch> watch{};                       ///< of the stage that runs
+  std::shared_ptr<Heartbeat> watch{};                   ///< of the stage that runs
 };
 
 Progress make_progress(std::vector<StagePlan> plan, bool enabled);

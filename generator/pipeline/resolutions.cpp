@@ -31,7 +31,7 @@ void refuse_too_fine(double needed_bytes, double edge_mm, const char* setting, d
 
 /// At least what tetrahedra of that edge need to fill the voxels that `counts` chooses.
 template <class Choice>
-double least_bytes(const LabelVolume& labels, double edge_mm, Choice counts) {
+double min_bytes(const LabelVolume& labels, double edge_mm, Choice counts) {
   constexpr double volume_per_edge3 = 0.12, bytes_per_cell = 200;
   const auto voxels = std::count_if(labels.voxels.begin(), labels.voxels.end(), counts);
   return static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / (volume_per_edge3 * math::pow(edge_mm, 3)) *
@@ -83,7 +83,7 @@ void check_memory(const LabelVolume& labels, const MeshSettings& settings, doubl
   for (const double edge : settings.resolutions_mm)
     refuse_too_fine(estimate_bytes(labels, edge), edge, key, memory_bytes);
   const auto check = [&](double edge, const char* setting, auto counts) {
-    refuse_too_fine(least_bytes(labels, edge, counts), edge, setting, memory_bytes);
+    refuse_too_fine(min_bytes(labels, edge, counts), edge, setting, memory_bytes);
   };
   check(settings.heart_edge_mm, "mesh.heart_edge_mm",
         [](std::uint8_t label) { return is_myocardium(static_cast<Region>(label)); });

@@ -155,8 +155,8 @@ void check_torso(const TorsoSettings& s) {
                     "correct it, or leave it out to have it fitted");
 }
 
-Staged<TorsoAround> surround(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid, Recipe& recipe,
-                             const std::string& torso_hash, std::vector<Warning>& warnings) {
+Staged<TorsoAround> place_in_torso(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid, Recipe& recipe,
+                                   const std::string& torso_hash, std::vector<Warning>& warnings) {
   if (!recipe.torso.is_given()) return {};
   Person person;
   if (!recipe.torso.ct.empty()) person = segmented(run, recipe, torso_hash, warnings);

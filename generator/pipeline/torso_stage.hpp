@@ -35,8 +35,8 @@ inline auto members(TorsoAround& t) {
 /// recipe names no torso. The pose is left in the recipe. Where the bundle has the torso's frame, the grids of the
 /// heart's images go there: whatever is made from them is there, too. `torso_hash` stands for the torso's files.
 /// Throws UserError as common_marks and place_heart do. The result counts on the root. @collective
-Staged<TorsoAround> surround(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid, Recipe& recipe,
-                             const std::string& torso_hash, std::vector<Warning>& warnings);
+Staged<TorsoAround> place_in_torso(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid, Recipe& recipe,
+                                   const std::string& torso_hash, std::vector<Warning>& warnings);
 
 /// The recipe's landmarks, and a grid, which stay in the frame of the heart's image, in that of the bundle.
 Landmarks landmarks_in_bundle(const Recipe& recipe);

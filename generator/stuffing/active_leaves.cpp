@@ -118,7 +118,7 @@ std::vector<Leaf> add_leaves_around(const Octree& tree, const std::vector<Leaf>&
   return parallel::gather<Leaf>(0, std::ssize(leaves), find);
 }
 
-NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at) {
+NearLeaves active_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at) {
   NearLeaves near;
   label_corners(tree, label_at, near);
   label_leaves(tree, label_at, near);

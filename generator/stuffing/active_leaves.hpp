@@ -22,7 +22,7 @@ struct NearLeaves {
 /// 0). Such a cell either has a corner in a leaf with a labelled node, or its centre is that of a leaf beside one: near
 /// are the leaves that share a corner with a labelled one, and those two steps over faces away from one. `label_at` is
 /// called from several threads.
-NearLeaves near_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at);
+NearLeaves active_leaves(const Octree& tree, const std::function<int(const Vec3&)>& label_at);
 
 /// What leaves have in common.
 enum class Sharing { corner, face };

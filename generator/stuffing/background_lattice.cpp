@@ -34,12 +34,14 @@ WantedLevels wanted_levels(const tetmesh::Materials& m) {
   return wanted_levels(m.box_min_mm, m.box_max_mm, finest_edge(m), m.edge_mm);
 }
 
-Lattice lay_lattice(const tetmesh::Materials& materials, const WantedLevels& wanted) {
+Lattice build_background_lattice(const tetmesh::Materials& materials, const WantedLevels& wanted) {
   auto tree = make_octree(wanted, materials.edge_mm, materials.spots);
-  auto near = near_leaves(tree, materials.label_at);
+  auto near = active_leaves(tree, materials.label_at);
   return {std::move(tree), std::move(near)};
 }
 
-Lattice lay_lattice(const tetmesh::Materials& materials) { return lay_lattice(materials, wanted_levels(materials)); }
+Lattice build_background_lattice(const tetmesh::Materials& materials) {
+  return build_background_lattice(materials, wanted_levels(materials));
+}
 
 }  // namespace heartgen::stuffing

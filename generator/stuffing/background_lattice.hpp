@@ -15,8 +15,8 @@ struct Lattice {
 WantedLevels wanted_levels(const tetmesh::Materials& materials);
 
 /// The same result for any number of threads.
-Lattice lay_lattice(const tetmesh::Materials& materials, const WantedLevels& wanted);
+Lattice build_background_lattice(const tetmesh::Materials& materials, const WantedLevels& wanted);
 
-Lattice lay_lattice(const tetmesh::Materials& materials);
+Lattice build_background_lattice(const tetmesh::Materials& materials);
 
 }  // namespace heartgen::stuffing

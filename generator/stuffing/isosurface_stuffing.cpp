@@ -58,8 +58,8 @@ tetmesh::Complex label_lattice(Background background) {
   });
   tetmesh::drop_unused(c);
   tetmesh::connect_stars(c);
-  constexpr float least_quality = 0.65F;  // of the lattice's cells: angles in [45, 120] degrees, a little stretched
-  c.quality.assign(c.cells.size(), least_quality);
+  constexpr float min_quality = 0.65F;  // of the lattice's cells: angles in [45, 120] degrees, a little stretched
+  c.quality.assign(c.cells.size(), min_quality);
   return c;
 }
 
@@ -225,7 +225,7 @@ void snap_to_curves(const tetmesh::Materials& materials, tetmesh::Complex& c, co
   for (const auto& snap : curve_snaps(materials, c, pierced_faces(c), settings.curve_reach)) {
     const bool is_open = crosses(c, snap.face[0], snap.face[1]) && crosses(c, snap.face[1], snap.face[2]) &&
                          crosses(c, snap.face[0], snap.face[2]);
-    if (is_open && tetmesh::move_node(c, snap.node, snap.target, settings.least_quality))
+    if (is_open && tetmesh::move_node(c, snap.node, snap.target, settings.min_quality))
       c.touches[static_cast<std::size_t>(snap.node)] |= snap.labels;
   }
 }
@@ -271,8 +271,7 @@ void snap_to_surfaces(const tetmesh::Materials& materials, tetmesh::Complex& c, 
     const Vec3 target = tetmesh::project(materials, sides | labels, crossings[e].point, 2);
     if (norm(target - crossings[e].point) > 0.25 * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]))
       return;
-    if (tetmesh::move_node(c, node, target, settings.least_quality))
-      c.touches[static_cast<std::size_t>(node)] |= labels;
+    if (tetmesh::move_node(c, node, target, settings.min_quality)) c.touches[static_cast<std::size_t>(node)] |= labels;
   };
   constexpr std::size_t fewest = 20'000;  // in a slab: at its borders, what is nearer may come later
   tetmesh::for_slabs(
@@ -280,7 +279,7 @@ void snap_to_surfaces(const tetmesh::Materials& materials, tetmesh::Complex& c, 
       [&](std::size_t i) { return c.at(snaps[i].node); }, snap_one);
 }
 
-void divide_edge(tetmesh::Complex& c, const Edge& edge, std::int32_t middle) {
+void split_edge(tetmesh::Complex& c, const Edge& edge, std::int32_t middle) {
   std::vector<std::int32_t> ring;
   for (const auto t : c.star(edge.first))
     if (tetmesh::has(c.cell(t), edge.second)) ring.push_back(t);
@@ -336,7 +335,7 @@ void collect_edges_beside_surface(const tetmesh::Complex& c, const std::vector<s
 // where there is none. No label tells such an edge from others.
 Crossing find_hidden_crossing(const tetmesh::Materials& materials, const tetmesh::Complex& c, const Edge& edge) {
   constexpr std::array sampled{0.5, 0.25};  // of the edge
-  constexpr double least_depth = 0.1;       // of the lattice's width: the surface may be a little curved
+  constexpr double min_depth = 0.1;         // of the lattice's width: the surface may be a little curved
   const Vec3 start = c.at(edge.first), way = c.at(edge.second) - start;
   const tetmesh::LabelBits own = labels_of(c, edge.second);
   const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(edge.first)]);
@@ -344,7 +343,7 @@ Crossing find_hidden_crossing(const tetmesh::Materials& materials, const tetmesh
     const Vec3 sample = start + share * way;
     const tetmesh::LabelBits between = tetmesh::bit_of(materials.label_at(sample));
     if (between == own ||
-        tetmesh::distance_to(tetmesh::feature_at(materials, between | own, sample)) < least_depth * spacing)
+        tetmesh::distance_to(tetmesh::feature_at(materials, between | own, sample)) < min_depth * spacing)
       continue;
     double low = share, high = 1;
     tetmesh::LabelBits after = own;
@@ -392,7 +391,7 @@ void cut_edge(tetmesh::Complex& c, const Cut& cut, bool never_divided) {
   }
   const tetmesh::LabelBits sides = c.bits(a) & c.bits(b) & tetmesh::side_bits;
   const float spacing = std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]);
-  divide_edge(c, cut.edge, tetmesh::add_node(c, cut.crossing.point, sides | cut.crossing.labels, spacing));
+  split_edge(c, cut.edge, tetmesh::add_node(c, cut.crossing.point, sides | cut.crossing.labels, spacing));
 }
 
 // Whether the two parts of every cell around an edge that is divided at `point` are good enough.
@@ -418,18 +417,18 @@ void cut_hidden_edge(tetmesh::Complex& c, const Cut& cut) {
 
 // Divides edges until none crosses. Whatever is divided, only edges at new nodes can cross after that.
 void cut_open(const tetmesh::Materials& materials, tetmesh::Complex& c, std::vector<Edge> edges) {
-  constexpr int most_rounds = 6;
-  for (int round = 0; round < most_rounds && !edges.empty(); ++round) {
+  constexpr int max_rounds = 6;
+  for (int round = 0; round < max_rounds && !edges.empty(); ++round) {
     const auto first_node = node_count(c);
     for (const auto& cut : cuts_of(materials, c, edges))
-      if (crosses(c, cut.edge.first, cut.edge.second)) cut_edge(c, cut, round + 1 == most_rounds);
+      if (crosses(c, cut.edge.first, cut.edge.second)) cut_edge(c, cut, round + 1 == max_rounds);
     edges = crossing_edges_from(c, first_node);
   }
 }
 
 // Divides edges where they cross.
 void cut_edges(const tetmesh::Materials& materials, tetmesh::Complex& c) {
-  constexpr int most_rounds = 6;
+  constexpr int max_rounds = 6;
   cut_open(materials, c, crossing_edges(c));
   const auto cut_hidden = [&](std::int64_t first_node, const auto& collect) {
     const auto next = node_count(c);
@@ -443,7 +442,7 @@ void cut_edges(const tetmesh::Materials& materials, tetmesh::Complex& c) {
     collect_edges_beside_surface(c, is_at_surface, node, others);
   });
   std::int64_t first_node = 0;
-  for (int round = 0; round < most_rounds; ++round) {  // after the first one, what is left of edges that were cut
+  for (int round = 0; round < max_rounds; ++round) {  // after the first one, what is left of edges that were cut
     const auto next = node_count(c);
     cut_hidden(first_node, [&](std::int32_t node, std::vector<std::int32_t>& others) {
       collect_edges_off_surface(c, node, others);
@@ -485,7 +484,8 @@ void close_gaps(tetmesh::Complex& c) {
 
 }  // namespace
 
-tetmesh::Complex stuff(const tetmesh::Materials& materials, const Lattice& lattice, const StuffSettings& settings) {
+tetmesh::Complex stuff_isosurfaces(const tetmesh::Materials& materials, const Lattice& lattice,
+                                   const StuffSettings& settings) {
   auto c = label_lattice(make_background(lattice.tree, materials.label_at, lattice.near));
   snap_to_curves(materials, c, settings);
   snap_to_surfaces(materials, c, settings);
@@ -495,8 +495,8 @@ tetmesh::Complex stuff(const tetmesh::Materials& materials, const Lattice& latti
   return c;
 }
 
-tetmesh::Complex stuff(const tetmesh::Materials& materials, const StuffSettings& settings) {
-  return stuff(materials, lay_lattice(materials), settings);
+tetmesh::Complex stuff_isosurfaces(const tetmesh::Materials& materials, const StuffSettings& settings) {
+  return stuff_isosurfaces(materials, build_background_lattice(materials), settings);
 }
 
 }  // namespace heartgen::stuffing

@@ -19,15 +19,16 @@ namespace heartgen::stuffing {
 struct Lattice;
 
 struct StuffSettings {
-  double edge_reach = 0.5;     ///< nodes snap to crossings nearer than this share of the edge
-  double curve_reach = 0.5;    ///< nodes snap to curves nearer than this share of the lattice's width
-  double least_quality = 0.1;  ///< no snap makes a cell worse than this (or than it is)
+  double edge_reach = 0.5;   ///< nodes snap to crossings nearer than this share of the edge
+  double curve_reach = 0.5;  ///< nodes snap to curves nearer than this share of the lattice's width
+  double min_quality = 0.1;  ///< no snap makes a cell worse than this (or than it is)
 };
 
 /// Cells with label 0 lie outside next to the others; `derive_touches` and `compress` finish the mesh once the labels
 /// are settled, and know the cells of its nodes only then. `touches` holds sides and hull only. The same result for any
 /// number of threads.
-tetmesh::Complex stuff(const tetmesh::Materials& materials, const Lattice& lattice, const StuffSettings& settings);
-tetmesh::Complex stuff(const tetmesh::Materials& materials, const StuffSettings& settings);
+tetmesh::Complex stuff_isosurfaces(const tetmesh::Materials& materials, const Lattice& lattice,
+                                   const StuffSettings& settings);
+tetmesh::Complex stuff_isosurfaces(const tetmesh::Materials& materials, const StuffSettings& settings);
 
 }  // namespace heartgen::stuffing

@@ -211,15 +211,15 @@ Background build(const Builder& start) {
   std::copy_if(tree.leaves.begin(), tree.leaves.end(), std::back_inserter(wanted),
                [&](const Leaf& leaf) { return start.is_near(leaf.low); });
   // Memory that is asked for but not written costs nothing; growing vectors would hold two copies.
-  constexpr std::size_t most_cells_per_leaf = 16, most_nodes_per_leaf = 3;
+  constexpr std::size_t max_cells_per_leaf = 16, max_nodes_per_leaf = 3;
   std::vector<Builder> builders(static_cast<std::size_t>(parallel::thread_count()), start);
   parallel::parallel_for(0, static_cast<std::int64_t>(wanted.size()),
                          [&](std::int64_t begin, std::int64_t end, int piece) {
                            auto& builder = builders[static_cast<std::size_t>(piece)];
                            // The first one will hold what the others make.
                            const auto leaves = piece == 0 ? wanted.size() : static_cast<std::size_t>(end - begin);
-                           builder.result.cells.reserve(most_cells_per_leaf * leaves);
-                           builder.result.nodes_mm.reserve(most_nodes_per_leaf * leaves);
+                           builder.result.cells.reserve(max_cells_per_leaf * leaves);
+                           builder.result.nodes_mm.reserve(max_nodes_per_leaf * leaves);
                            builder.center_node.assign(tree.level.size(), -1);
                            builder.corner_node.assign(tree.corner_offset({0, 0, tree.size[2] + 1}), -1);
                            for (auto l = begin; l < end; ++l) add_leaf(builder, wanted[static_cast<std::size_t>(l)]);

@@ -10,8 +10,8 @@
 namespace heartgen::stuffing {
 namespace {
 
-constexpr int deepest = 5;                 // root cells are at most 32 finest cells wide
-constexpr std::int32_t fewest_roots = 12;  // along the shortest axis: rounding stretches cells by 4 % at most
+constexpr int deepest = 5;              // root cells are at most 32 finest cells wide
+constexpr std::int32_t min_roots = 12;  // along the shortest axis: rounding stretches cells by 4 % at most
 
 /// The finest level that is needed inside each cell of one level; its cells are 2^level finest cells wide.
 struct Level {
@@ -27,7 +27,7 @@ struct Level {
 int root_level(const Vec3& box_mm, double cell_mm) {
   const double shortest = std::min({box_mm.x, box_mm.y, box_mm.z}) / cell_mm;
   int level = 0;
-  while (level < deepest && shortest / static_cast<double>(2 << level) >= fewest_roots) ++level;
+  while (level < deepest && shortest / static_cast<double>(2 << level) >= min_roots) ++level;
   return level;
 }
 
@@ -60,13 +60,13 @@ using EdgeAt = std::function<double(const Vec3&)>;
 
 // How often the finest cells are halved so that they are about as short as the spots wish.
 int extra_levels(const BoxCells& cells, const EdgeAt& edge_mm, const std::vector<tetmesh::FineSpot>& spots) {
-  constexpr double most_finest_cells = 5e7;
+  constexpr double max_finest_cells = 5e7;
   const double count = static_cast<double>(cells.size[0]) * cells.size[1] * cells.size[2];
   int extra = 0;
   for (const auto& spot : spots) {
     const double wanted = std::ldexp(edge_mm(spot.center_mm), -spot.halvings) / mean_edge_per_cell;
     while (std::ldexp(cells.mean_step_mm, -extra) > std::numbers::sqrt2 * wanted &&
-           std::ldexp(count, 3 * (extra + 1)) < most_finest_cells)
+           std::ldexp(count, 3 * (extra + 1)) < max_finest_cells)
       ++extra;
   }
   return extra;

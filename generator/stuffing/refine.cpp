@@ -9,7 +9,7 @@
 namespace heartgen::stuffing {
 namespace {
 
-constexpr int most_halvings = 3;
+constexpr int max_halvings = 3;
 
 int halvings_at(const std::vector<tetmesh::FineSpot>& spots, const Vec3& position) {
   int most = 0;
@@ -36,7 +36,7 @@ bool has_free_node(const tetmesh::Complex& c, std::int32_t id) {
   return std::any_of(cell.begin(), cell.end(), [&](std::int32_t n) { return !tetmesh::is_constrained(c.bits(n)); });
 }
 
-int label_if_stray(const tetmesh::Complex& c, const tetmesh::Materials& materials, std::int32_t id) {
+int label_if_mislabelled(const tetmesh::Complex& c, const tetmesh::Materials& materials, std::int32_t id) {
   constexpr double to_corner = 0.8;  // of the way
   const Cell& cell = c.cell(id);
   const int own = c.label_of(id);
@@ -49,14 +49,14 @@ int label_if_stray(const tetmesh::Complex& c, const tetmesh::Materials& material
   return std::any_of(cell.begin(), cell.end(), is_own) ? own : there;
 }
 
-std::vector<Vec3> far_strays(const tetmesh::Complex& c, const tetmesh::Materials& materials, tetmesh::LabelBits labels,
-                             const std::vector<std::uint8_t>& is_changed) {
+std::vector<Vec3> far_mislabelled_cells(const tetmesh::Complex& c, const tetmesh::Materials& materials,
+                                        tetmesh::LabelBits labels, const std::vector<std::uint8_t>& is_changed) {
   constexpr double far = 0.3;  // of the lattice's width
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Vec3>& centers) {
     for (auto t = begin; t < end; ++t) {
       const auto id = static_cast<std::int32_t>(t);
       if (!c.is_alive(id) || (is_changed[static_cast<std::size_t>(id)] == 0 && has_free_node(c, id))) continue;
-      const int own = c.label_of(id), there = label_if_stray(c, materials, id);
+      const int own = c.label_of(id), there = label_if_mislabelled(c, materials, id);
       if (there == own || ((tetmesh::bit_of(own) | tetmesh::bit_of(there)) & labels & ~tetmesh::bit_of(0)) == 0)
         continue;
       const Vec3 center = center_of(c, c.cell(id));
@@ -70,18 +70,18 @@ std::vector<Vec3> far_strays(const tetmesh::Complex& c, const tetmesh::Materials
 bool add_spots(tetmesh::Materials& materials, const std::vector<Vec3>& positions_mm, int halvings) {
   constexpr double radius_edges = 3.2;
   constexpr double well_inside = 0.5;  // of the radius
-  constexpr std::size_t most_spots = 100;
+  constexpr std::size_t max_spots = 100;
   const auto& before = materials.spots;
   auto all = before;
   for (const auto& p : positions_mm) {
-    tetmesh::FineSpot spot{p, 0, std::min(most_halvings, halvings + halvings_at(before, p))};
+    tetmesh::FineSpot spot{p, 0, std::min(max_halvings, halvings + halvings_at(before, p))};
     spot.radius_mm = radius_edges * std::ldexp(materials.edge_mm(p), 1 - spot.halvings);
     const auto covers = [&](const tetmesh::FineSpot& other) {
       return other.halvings == spot.halvings && norm(other.center_mm - p) < well_inside * other.radius_mm;
     };
     if (std::none_of(all.begin(), all.end(), covers)) all.push_back(spot);
   }
-  if (all.size() == before.size() || all.size() > most_spots) return false;
+  if (all.size() == before.size() || all.size() > max_spots) return false;
   materials.spots = std::move(all);
   return true;
 }

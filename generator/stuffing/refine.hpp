@@ -12,14 +12,14 @@ namespace heartgen::stuffing {
 bool has_free_node(const tetmesh::Complex& complex, std::int32_t cell);
 
 /// The label at the centre of a cell that has its own nowhere in it; else its own.
-int label_if_stray(const tetmesh::Complex& complex, const tetmesh::Materials& materials, std::int32_t cell);
+int label_if_mislabelled(const tetmesh::Complex& complex, const tetmesh::Materials& materials, std::int32_t cell);
 
 /// Centres (mm) of such cells that have their label nowhere near them either, of those that have, or lie in, one of
 /// `labels`: what should be there is narrower than cells. Looks at cells whose label `is_changed` since the stuffing,
 /// and at those without a free node: no others can be strays. Needs `touches` to be what the cells make them
 /// (derive_touches).
-std::vector<Vec3> far_strays(const tetmesh::Complex& complex, const tetmesh::Materials& materials,
-                             tetmesh::LabelBits labels, const std::vector<std::uint8_t>& is_changed);
+std::vector<Vec3> far_mislabelled_cells(const tetmesh::Complex& complex, const tetmesh::Materials& materials,
+                                        tetmesh::LabelBits labels, const std::vector<std::uint8_t>& is_changed);
 
 /// Adds a spot of a few edges around each position, so much finer than it is there already (three halvings at most),
 /// but where another one of the kind covers it well. Returns whether there are more spots now; none are added beyond a

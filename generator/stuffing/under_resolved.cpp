@@ -7,7 +7,7 @@
 namespace heartgen::stuffing {
 namespace {
 
-constexpr int fewest_alike = 3;  // of eight; behind a plane there are four at least
+constexpr int min_alike = 3;  // of eight; behind a plane there are four at least
 
 bool is_center_delicate(const Lattice& lattice, const Leaf& leaf) {
   const auto& [tree, near] = lattice;
@@ -15,7 +15,7 @@ bool is_center_delicate(const Lattice& lattice, const Leaf& leaf) {
   int alike = 0;
   for (std::int32_t corner = 0; corner < 8; ++corner)
     alike += near.corner_label[tree.corner_offset(corner_of(leaf, corner))] == label;
-  return alike < fewest_alike;
+  return alike < min_alike;
 }
 
 // What lies beyond a side of the box counts as alike.
@@ -27,7 +27,7 @@ bool is_corner_delicate(const Lattice& lattice, const TreeIndex& at) {
     const TreeIndex beside{at[0] - (cell & 1), at[1] - ((cell >> 1) & 1), at[2] - (cell >> 2)};
     alike += !tree.contains(beside) || near.center_label[tree.offset(tree.leaf_over(beside).low)] == label;
   }
-  return alike < fewest_alike;
+  return alike < min_alike;
 }
 
 // A node that has few alike around has a leaf with nodes of several labels.
@@ -46,7 +46,7 @@ bool is_delicate(const Lattice& lattice, const Leaf& leaf) {
 
 }  // namespace
 
-LatticePart delicate_part(const Lattice& lattice) {
+LatticePart under_resolved_part(const Lattice& lattice) {
   const auto& tree = lattice.tree;
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Leaf>& found) {
     for (auto l = begin; l < end; ++l) {

@@ -15,7 +15,7 @@ struct LatticePart {
 
 /// The leaves at ridges, tips and pockets: where a node has its label in common with fewer of its eight nearest
 /// neighbours than it would behind a surface that is nearly flat.
-LatticePart delicate_part(const Lattice& lattice);
+LatticePart under_resolved_part(const Lattice& lattice);
 
 /// Whether a position of the box lies in a leaf of the part.
 bool is_in_core(const LatticePart& part, const Vec3& position_mm);

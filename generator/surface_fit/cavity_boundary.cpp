@@ -36,7 +36,7 @@ std::int32_t place_in(const std::vector<std::int32_t>& list, std::int32_t number
 
 }  // namespace
 
-tetmesh::Box reach_of(const tetmesh::Place& place) {
+tetmesh::Box reach_of(const tetmesh::Cavity& place) {
   auto box = tetmesh::box_around(place.part.nodes_mm);
   const auto width = static_cast<double>(std::ranges::max(place.part.spacing_mm));
   box.low -= Vec3{width, width, width};
@@ -44,8 +44,8 @@ tetmesh::Box reach_of(const tetmesh::Place& place) {
   return box;
 }
 
-Around faces_around(const tetmesh::Complex& whole, const FacesByHeight& outer, const tetmesh::Place& place) {
-  Around around{reach_of(place), {}, {}};
+CavityBoundary faces_around(const tetmesh::Complex& whole, const FacesByHeight& outer, const tetmesh::Cavity& place) {
+  CavityBoundary around{reach_of(place), {}, {}};
   const auto moves_with_part = [&](std::int32_t n) {
     const auto own = place_in(place.nodes, n);
     return own >= 0 && !place.part.is_frozen(own);
@@ -66,11 +66,11 @@ Around faces_around(const tetmesh::Complex& whole, const FacesByHeight& outer, c
   return around;
 }
 
-bool is_within_reach(const tetmesh::Complex& part, const Around& around) {
+bool is_within_reach(const tetmesh::Complex& part, const CavityBoundary& around) {
   return std::ranges::all_of(part.nodes_mm, [&](const Vec3& p) { return around.reach.contains(p); });
 }
 
-std::size_t count_meeting(const tetmesh::Complex& part, const Around& around) {
+std::size_t count_meeting(const tetmesh::Complex& part, const CavityBoundary& around) {
   auto faces = outer_faces(part);
   if (faces.empty()) return 0;
   auto nodes_mm = part.nodes_mm;
@@ -80,7 +80,7 @@ std::size_t count_meeting(const tetmesh::Complex& part, const Around& around) {
     for (auto& n : face) n = n < 0 ? -1 - n : n + offset;
     faces.push_back(face);
   }
-  return meeting_faces(nodes_mm, faces).size();
+  return self_intersecting_faces(nodes_mm, faces).size();
 }
 
 }  // namespace heartgen::surface_fit

@@ -13,7 +13,7 @@
 namespace heartgen::surface_fit {
 
 /// The outer faces of the whole around a place: what is made of it must not pass through them.
-struct Around {
+struct CavityBoundary {
   tetmesh::Box reach;  // where they are known
   std::vector<Vec3> nodes_mm;
   std::vector<Face> faces;  // node n of the part as -1 - n
@@ -35,14 +35,14 @@ struct FacesByHeight {
 FacesByHeight by_height(const tetmesh::Complex& complex, const std::vector<Face>& faces);
 
 /// How far what is made of a place may reach: one width of the lattice beyond where its nodes are.
-tetmesh::Box reach_of(const tetmesh::Place& place);
+tetmesh::Box reach_of(const tetmesh::Cavity& place);
 
-Around faces_around(const tetmesh::Complex& whole, const FacesByHeight& outer, const tetmesh::Place& place);
+CavityBoundary faces_around(const tetmesh::Complex& whole, const FacesByHeight& outer, const tetmesh::Cavity& place);
 
 /// Whether what was made of a place lies where all that it could pass through is known.
-bool is_within_reach(const tetmesh::Complex& part, const Around& around);
+bool is_within_reach(const tetmesh::Complex& part, const CavityBoundary& around);
 
 /// Pairs of outer faces, of a part and of what is around it, that pass through each other.
-std::size_t count_meeting(const tetmesh::Complex& part, const Around& around);
+std::size_t count_meeting(const tetmesh::Complex& part, const CavityBoundary& around);
 
 }  // namespace heartgen::surface_fit

@@ -36,16 +36,16 @@ bool takes_node_away(int way) { return way % ways == shrinks; }
 void change_face(tetmesh::Complex& part, const tetmesh::Materials& materials, const Face& face, int way,
                  std::uint32_t seed) {
   constexpr double shake = 0.01;  // of the lattice's width
-  if (way >= ways) tetmesh::shake_up(part, materials, shake * way, static_cast<std::uint32_t>(way) + 1000 * seed);
+  if (way >= ways) tetmesh::perturb(part, materials, shake * way, static_cast<std::uint32_t>(way) + 1000 * seed);
   const auto edges = longest_first(part, face);
   const int kind = way % ways;
   if (kind == shrinks) {
     shrink(part, materials, face, edges);
   } else if (kind == pierces) {
-    tetmesh::pierce_face(part, materials, face);
+    tetmesh::split_face(part, materials, face);
   } else {
     const std::size_t i = edges[static_cast<std::size_t>(kind - 1)].second;
-    tetmesh::halve_edge(part, materials, face[i], face[(i + 1) % 3]);
+    tetmesh::bisect_edge(part, materials, face[i], face[(i + 1) % 3]);
   }
 }
 

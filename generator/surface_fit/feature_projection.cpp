@@ -3,10 +3,12 @@
 #include <bit>
 
 #include "generator/tetmesh/feature.hpp"
+#include "model/contract.hpp"
 
 namespace heartgen::surface_fit {
 
-void draw_to_curves(tetmesh::Complex& complex, const tetmesh::Materials& materials, double least_quality) {
+void project_to_curves(tetmesh::Complex& complex, const tetmesh::Materials& materials, double min_quality) {
+  HEARTGEN_INVARIANT(tetmesh::has_derived_touches(complex));
   constexpr int rounds = 3;  // nodes make room for each other
   constexpr int newton_steps = 5, tries = 4;
   constexpr double near = 0.02, far = 0.7;  // of the lattice's width: there already, and another curve
@@ -16,7 +18,7 @@ void draw_to_curves(tetmesh::Complex& complex, const tetmesh::Materials& materia
         continue;
       const Vec3 way = tetmesh::project(materials, complex.bits(n), complex.at(n), newton_steps) - complex.at(n);
       const double share = norm(way) / static_cast<double>(complex.spacing_mm[static_cast<std::size_t>(n)]);
-      if (share > near && share < far) tetmesh::shift_node(complex, n, way, tries, least_quality);
+      if (share > near && share < far) tetmesh::shift_node(complex, n, way, tries, min_quality);
     }
 }
 

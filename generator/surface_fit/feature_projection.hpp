@@ -7,7 +7,7 @@
 namespace heartgen::surface_fit {
 
 /// Moves nodes that touch three labels or more (the outside is one) to where these meet, or as much of the way as
-/// leaves no cell below `least_quality` or, if one is below already, below the worst around. Needs derive_touches.
-void draw_to_curves(tetmesh::Complex& complex, const tetmesh::Materials& materials, double least_quality);
+/// leaves no cell below `min_quality` or, if one is below already, below the worst around. Needs derive_touches.
+void project_to_curves(tetmesh::Complex& complex, const tetmesh::Materials& materials, double min_quality);
 
 }  // namespace heartgen::surface_fit

@@ -114,7 +114,7 @@ struct CubeGrid {
   std::array<std::int32_t, 3> size{1, 1, 1};
   std::vector<std::int32_t> first, faces;  // of cube c: faces[first[c]] to faces[first[c + 1] - 1], ascending
 
-  std::array<std::int32_t, 3> place_of(const Vec3& p) const {
+  std::array<std::int32_t, 3> extract_cavity(const Vec3& p) const {
     std::array<std::int32_t, 3> place{};
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
@@ -139,7 +139,7 @@ struct CubeGrid {
 // Without faces.
 CubeGrid empty_grid(const std::vector<FaceBox>& boxes) {
   constexpr double widths = 1.5;  // of a cube, in mean widths of a box
-  constexpr double most_cubes_per_face = 8;
+  constexpr double max_cubes_per_face = 8;
   tetmesh::Box all = boxes[0];
   double sum = 0;
   for (const auto& box : boxes) {
@@ -148,7 +148,7 @@ CubeGrid empty_grid(const std::vector<FaceBox>& boxes) {
     sum += std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
   }
   const Vec3 extent = all.high - all.low;
-  const double room = extent.x * extent.y * extent.z / (most_cubes_per_face * static_cast<double>(boxes.size()));
+  const double room = extent.x * extent.y * extent.z / (max_cubes_per_face * static_cast<double>(boxes.size()));
   CubeGrid grid;
   grid.origin = all.low;
   grid.width = std::max({widths * sum / static_cast<double>(boxes.size()), math::cbrt(room), 1e-9});
@@ -162,8 +162,8 @@ CubeGrid grid_over(std::vector<FaceBox>& boxes) {
   auto grid = empty_grid(boxes);
   parallel::parallel_for(0, static_cast<std::int64_t>(boxes.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
-      boxes[f].first_cube = grid.place_of(boxes[f].low);
-      boxes[f].last_cube = grid.place_of(boxes[f].high);
+      boxes[f].first_cube = grid.extract_cavity(boxes[f].low);
+      boxes[f].last_cube = grid.extract_cavity(boxes[f].high);
     }
   });
   const auto& size = grid.size;
@@ -242,12 +242,12 @@ std::vector<Face> faces_near(const tetmesh::Complex& c, const std::vector<Face>&
                                 });
 }
 
-void draw_back(tetmesh::Complex& c, std::int32_t node, const Vec3& way_out, double least_quality) {
-  constexpr double most_shift = 0.06;  // of the lattice's width
+void draw_back(tetmesh::Complex& c, std::int32_t node, const Vec3& way_out, double min_quality) {
+  constexpr double max_shift = 0.06;  // of the lattice's width
   constexpr int tries = 4;
   if (c.is_frozen(node) || (c.bits(node) & tetmesh::side_bits) != 0 || dot(way_out, way_out) == 0) return;
-  const double length = most_shift * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]);
-  tetmesh::shift_node(c, node, -length * normalized(way_out), tries, least_quality);
+  const double length = max_shift * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]);
+  tetmesh::shift_node(c, node, -length * normalized(way_out), tries, min_quality);
 }
 
 // Gives the cell behind one of each two faces that meet to the outside, where that changes no topology. Whether any
@@ -255,7 +255,7 @@ void draw_back(tetmesh::Complex& c, std::int32_t node, const Vec3& way_out, doub
 bool peel(tetmesh::Complex& c) {
   const auto faces = outer_faces(c);
   bool is_any = false;
-  for (const auto& pair : meeting_faces(c.nodes_mm, faces))
+  for (const auto& pair : self_intersecting_faces(c.nodes_mm, faces))
     for (const auto f : {pair.first, pair.second}) {
       const auto& face = faces[static_cast<std::size_t>(f)];
       const auto cell = tetmesh::cells_at_face(c, face[0], face[1], face[2])[0];
@@ -278,7 +278,7 @@ std::vector<Face> outer_faces(const tetmesh::Complex& c) {
                                 });
 }
 
-std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std::vector<Face>& faces) {
+std::vector<FacePair> self_intersecting_faces(const std::vector<Vec3>& nodes_mm, const std::vector<Face>& faces) {
   if (faces.empty()) return {};
   const Faces all{&nodes_mm, &faces};
   std::vector<FaceBox> boxes(faces.size());
@@ -292,29 +292,30 @@ std::vector<FacePair> meeting_faces(const std::vector<Vec3>& nodes_mm, const std
   return parallel::gather_sorted<FacePair>(0, static_cast<std::int64_t>(grid.first.size()) - 1, find);
 }
 
-std::int64_t separate_gently(tetmesh::Complex& complex, double least_quality) {
-  constexpr int most_rounds = 8;
+std::int64_t resolve_self_intersections_gently(tetmesh::Complex& complex, double min_quality) {
+  constexpr int max_rounds = 8;
   const auto all = outer_faces(complex);
   auto faces = all;
-  auto pairs = meeting_faces(complex.nodes_mm, faces);
-  for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
+  auto pairs = self_intersecting_faces(complex.nodes_mm, faces);
+  for (int round = 0; round < max_rounds && !pairs.empty(); ++round) {
     const auto nodes = nodes_of(faces, pairs);
     const auto moved = faces_at(all, nodes);
     const auto ways = ways_out(complex, moved, nodes);
-    for (std::size_t i = 0; i < nodes.size(); ++i) draw_back(complex, nodes[i], ways[i], least_quality);
+    for (std::size_t i = 0; i < nodes.size(); ++i) draw_back(complex, nodes[i], ways[i], min_quality);
     faces = faces_near(complex, all, moved);  // no others can have begun or ceased to meet
-    pairs = meeting_faces(complex.nodes_mm, faces);
+    pairs = self_intersecting_faces(complex.nodes_mm, faces);
   }
   return static_cast<std::int64_t>(pairs.size());
 }
 
-std::int64_t separate_sheets(tetmesh::Complex& complex, double least_quality) {
+std::int64_t resolve_self_intersections(tetmesh::Complex& complex, double min_quality) {
   constexpr double late_quality = 0.4885;  // angles in [29, 145] degrees
-  constexpr int most_peelings = 4;
-  auto left = separate_gently(complex, least_quality);
-  const double quality = std::min(least_quality, late_quality);
-  if (left != 0) left = separate_gently(complex, quality);
-  for (int i = 0; i < most_peelings && left != 0 && peel(complex); ++i) left = separate_gently(complex, quality);
+  constexpr int max_peelings = 4;
+  auto left = resolve_self_intersections_gently(complex, min_quality);
+  const double quality = std::min(min_quality, late_quality);
+  if (left != 0) left = resolve_self_intersections_gently(complex, quality);
+  for (int i = 0; i < max_peelings && left != 0 && peel(complex); ++i)
+    left = resolve_self_intersections_gently(complex, quality);
   return left;
 }
 

@@ -21,27 +21,28 @@
 #include "generator/tetmesh/flips.hpp"
 #include "generator/tetmesh/surface_deviation.hpp"
 #include "generator/tetmesh/surface_faces.hpp"
+#include "model/contract.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heartgen::surface_fit {
 namespace {
 
 // Back onto surfaces and curves, as far as cells allow.
-void draw_to_surfaces(tetmesh::Complex& part, const tetmesh::Materials& materials, double least_quality) {
+void draw_to_surfaces(tetmesh::Complex& part, const tetmesh::Materials& materials, double min_quality) {
   constexpr int newton_steps = 3;
-  constexpr double most_shift = 0.3;  // of the lattice's width
+  constexpr double max_shift = 0.3;  // of the lattice's width
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(part.nodes_mm.size()); ++n) {
     if (part.is_frozen(n) || !tetmesh::is_constrained(part.bits(n)) || part.star(n).empty()) continue;
     const Vec3 way = tetmesh::project(materials, part.bits(n), part.at(n), newton_steps) - part.at(n);
-    if (norm(way) < most_shift * static_cast<double>(part.spacing_mm[static_cast<std::size_t>(n)]))
-      tetmesh::shift_node(part, n, way, 3, least_quality);
+    if (norm(way) < max_shift * static_cast<double>(part.spacing_mm[static_cast<std::size_t>(n)]))
+      tetmesh::shift_node(part, n, way, 3, min_quality);
   }
 }
 
 /// How a place is worked on.
 struct Effort {
   int rings;  // of cells around a face
-  int most_tries;
+  int max_tries;
   std::uint32_t seed;  // of shakes
   bool takes_halves;   // is_worth_it
   bool spares_faces;   // that fit: on the way to something better they may have to become misfits
@@ -56,9 +57,9 @@ struct Outcome {
 
 /// A place with a misfit in its middle, and the best that was made of it.
 struct Job {
-  tetmesh::Place place;
+  tetmesh::Cavity place;
   Face face;  // the misfit, in the whole
-  Around around;
+  CavityBoundary around;
   std::size_t meeting = 0;  // pairs of outer faces, before anything was done
   double least = 0;         // quality that must be kept
   tetmesh::Fitness first;   // before anything was done
@@ -70,7 +71,7 @@ struct Job {
   std::int64_t work = 0;          // cells repaired, of all tries together
   bool is_put_back = false;
 
-  bool is_active() const { return left > 0 && fitness.misery > 0; }
+  bool is_active() const { return left > 0 && fitness.penalty > 0; }
 };
 
 // The outer ones of some faces that may lie around one of the places.
@@ -91,11 +92,11 @@ FacesByHeight outer_faces_near(const tetmesh::Complex& c, const std::vector<tetm
 // The faces that places around some misfits, and places around what was made of these, can have around them: of a large
 // mesh, few.
 std::vector<tetmesh::SurfaceFace> faces_near(const tetmesh::Complex& c, const std::vector<tetmesh::SurfaceFace>& faces,
-                                             const std::vector<Face>& misfits) {
+                                             const std::vector<Face>& deviating_faces) {
   constexpr double margin = 10;  // lattice widths
   std::vector<tetmesh::Box> boxes;
-  boxes.reserve(misfits.size());
-  for (const auto& face : misfits) {
+  boxes.reserve(deviating_faces.size());
+  for (const auto& face : deviating_faces) {
     auto& box = boxes.emplace_back(tetmesh::box_of(c, face));
     const double reach = margin * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(face[0])]);
     box.low -= Vec3{reach, reach, reach};
@@ -111,13 +112,13 @@ std::vector<tetmesh::SurfaceFace> faces_near(const tetmesh::Complex& c, const st
 
 // Gives cells the regions in which they lie, where that is only a matter of tips and tails: tails go from their end on.
 bool relabel_strays(tetmesh::Complex& part, const tetmesh::Materials& materials) {
-  constexpr int most_rounds = 6;
+  constexpr int max_rounds = 6;
   bool is_changed = false;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     bool is_changed_now = false;
     for (std::int32_t id = 0; id < static_cast<std::int32_t>(part.cells.size()); ++id) {
       if (!part.is_alive(id) || stuffing::has_free_node(part, id)) continue;
-      const int there = stuffing::label_if_stray(part, materials, id);
+      const int there = stuffing::label_if_mislabelled(part, materials, id);
       if (there != part.label_of(id)) is_changed_now = tetmesh::relabel(part, id, there) || is_changed_now;
     }
     if (!is_changed_now) break;
@@ -157,14 +158,14 @@ void begin(Job& job, const Trial& trial) {
   job.meeting = count_meeting(part, job.around);
   job.least = std::min(trial.settings->enough, tetmesh::worst_quality(part));
   job.first = job.fitness = tetmesh::fitness_of(part, *trial.materials, trial.settings->aim, trial.settings->labels);
-  job.left = trial.effort->most_tries;
+  job.left = trial.effort->max_tries;
   job.way = first_way(job, *trial.materials);
 }
 
 // A node less leaves less to try: only where a misfit goes with it.
 bool gains_enough(const tetmesh::Fitness& made, const tetmesh::Fitness& before, int way) {
   const bool is_smaller = way > 0 && takes_node_away(way - 1);
-  return made.misery < before.misery && (!is_smaller || made.misfits < before.misfits);
+  return made.penalty < before.penalty && (!is_smaller || made.deviating_faces < before.deviating_faces);
 }
 
 Outcome try_way(const Job& job, const Trial& trial, int way) {
@@ -177,7 +178,7 @@ Outcome try_way(const Job& job, const Trial& trial, int way) {
     change_face(made, materials, job.fitness.worst, way - 1, trial.effort->seed);
   tetmesh::repair(made, materials, trial.repairing);
   draw_to_surfaces(made, materials, trial.settings->enough);
-  balance_surfaces(made, materials, trial.settings->enough);
+  correct_surface_volumes(made, materials, trial.settings->enough);
   outcome.fitness = tetmesh::fitness_of(made, materials, trial.settings->aim, trial.settings->labels);
   outcome.is_better = gains_enough(outcome.fitness, job.fitness, way) && tetmesh::worst_quality(made) >= job.least &&
                       is_within_reach(made, job.around) && count_meeting(made, job.around) <= job.meeting;
@@ -242,7 +243,7 @@ void try_at_once(const std::vector<Job*>& jobs, const Trial& trial) {
   for_each_job(jobs, [&](Job& job) { choose(job, *trial.materials); });
 }
 
-Face in_whole(const tetmesh::Place& place, Face face) {
+Face in_whole(const tetmesh::Cavity& place, Face face) {
   for (auto& n : face) n = place.nodes[static_cast<std::size_t>(n)];
   return tetmesh::sorted(face);
 }
@@ -265,7 +266,7 @@ void fit(std::vector<Job>& jobs, const Trial& trial, const std::vector<Face>& ho
 // those for which the work that is left would not do.
 std::vector<Job> separate_places(const tetmesh::Complex& c, std::vector<Face>& faces, int rings,
                                  std::int64_t work_left) {
-  constexpr std::int64_t usual_tries = 6;
+  constexpr std::int64_t default_tries = 6;
   std::vector<Job> jobs;
   std::vector<std::uint8_t> is_taken(c.nodes_mm.size(), 0);
   const auto is_done = [&](const Face& face) {
@@ -275,14 +276,15 @@ std::vector<Job> separate_places(const tetmesh::Complex& c, std::vector<Face>& f
     auto cells = tetmesh::free_cells_around(c, cell, rings, is_taken);
     if (cells.empty()) return false;
     for (const auto n : tetmesh::nodes_of(c, cells)) is_taken[static_cast<std::size_t>(n)] = 1;
-    work_left -= usual_tries * static_cast<std::int64_t>(cells.size());
+    work_left -= default_tries * static_cast<std::int64_t>(cells.size());
     auto& job = jobs.emplace_back();
     job.place.cells = std::move(cells);
     job.face = face;
     return true;
   };
   std::erase_if(faces, is_done);
-  for_each_job(pointers_to(jobs), [&](Job& job) { job.place = tetmesh::place_of(c, std::move(job.place.cells)); });
+  for_each_job(pointers_to(jobs),
+               [&](Job& job) { job.place = tetmesh::extract_cavity(c, std::move(job.place.cells)); });
   return jobs;
 }
 
@@ -300,15 +302,15 @@ struct Fitting {
 // What is better but leaves as many misfits may be in the way of a greater effort; far off, anything better is welcome.
 bool is_worth_it(const Job& job, const Effort& effort, double aim) {
   if (job.best.cells.empty()) return false;
-  return effort.takes_halves || job.fitness.misfits < job.first.misfits || job.first.error > 2 * aim;
+  return effort.takes_halves || job.fitness.deviating_faces < job.first.deviating_faces || job.first.error > 2 * aim;
 }
 
-void put_back(Fitting& fitting, std::vector<Job>& jobs, const Effort& effort) {
+void reinsert_cavity(Fitting& fitting, std::vector<Job>& jobs, const Effort& effort) {
   std::vector<std::int32_t> changed;
   for (auto& job : jobs) {
     fitting.work_left -= job.work;
     if (!is_worth_it(job, effort, fitting.settings->aim)) continue;
-    put_back(*fitting.complex, job.place, job.best);
+    reinsert_cavity(*fitting.complex, job.place, job.best);
     job.is_put_back = true;
     changed.insert(changed.end(), job.place.nodes.begin(), job.place.nodes.end());
   }
@@ -328,9 +330,9 @@ std::vector<Face> fit_places(Fitting& fitting, std::vector<Face> faces, const Ef
     const auto outer = outer_faces_near(complex, fitting.faces, jobs);
     for (auto& job : jobs) job.around = faces_around(complex, outer, job.place);
     fit(jobs, trial, hopeless);
-    put_back(fitting, jobs, effort);
+    reinsert_cavity(fitting, jobs, effort);
     for (const auto& job : jobs) {
-      if (job.fitness.misery <= 0) continue;
+      if (job.fitness.penalty <= 0) continue;
       const auto& now = job.is_put_back ? job.fitness : job.first;
       const auto worst = in_whole(job.place, now.worst);
       hopeless.push_back(worst);
@@ -358,27 +360,28 @@ std::vector<tetmesh::SurfaceFace> suspects(Fitting& fitting, std::vector<Face> b
 
 }  // namespace
 
-std::int64_t fit_faces(tetmesh::Complex& complex, const tetmesh::Materials& materials,
-                       const tetmesh::RepairSettings& repairing, const FitSettings& settings) {
+std::int64_t fit_surfaces(tetmesh::Complex& complex, const tetmesh::Materials& materials,
+                          const tetmesh::RepairSettings& repairing, const FitSettings& settings) {
+  HEARTGEN_INVARIANT(tetmesh::has_derived_touches(complex));
   // Most places need little, and work that some waste others lack: each way once, then more. What resists needs
   // something else, not more of the same.
   constexpr std::array efforts{
-      Effort{.rings = 2, .most_tries = 5, .seed = 0, .takes_halves = false, .spares_faces = true},
-      Effort{.rings = 2, .most_tries = 10, .seed = 3, .takes_halves = false, .spares_faces = true},
-      Effort{.rings = 3, .most_tries = 10, .seed = 0, .takes_halves = false, .spares_faces = true},
-      Effort{.rings = 3, .most_tries = 20, .seed = 1, .takes_halves = true, .spares_faces = false},
-      Effort{.rings = 4, .most_tries = 20, .seed = 2, .takes_halves = true, .spares_faces = true},
-      Effort{.rings = 3, .most_tries = 20, .seed = 4, .takes_halves = true, .spares_faces = true}};
-  constexpr std::size_t usual_cells = 1'500'000;
-  const auto cells = std::max(complex.cells.size(), usual_cells);  // of a small mesh, all may be creases
+      Effort{.rings = 2, .max_tries = 5, .seed = 0, .takes_halves = false, .spares_faces = true},
+      Effort{.rings = 2, .max_tries = 10, .seed = 3, .takes_halves = false, .spares_faces = true},
+      Effort{.rings = 3, .max_tries = 10, .seed = 0, .takes_halves = false, .spares_faces = true},
+      Effort{.rings = 3, .max_tries = 20, .seed = 1, .takes_halves = true, .spares_faces = false},
+      Effort{.rings = 4, .max_tries = 20, .seed = 2, .takes_halves = true, .spares_faces = true},
+      Effort{.rings = 3, .max_tries = 20, .seed = 4, .takes_halves = true, .spares_faces = true}};
+  constexpr std::size_t typical_cells = 1'500'000;
+  const auto cells = std::max(complex.cells.size(), typical_cells);  // of a small mesh, all may be creases
   Fitting fitting{&complex, &materials, &repairing, &settings, tetmesh::surface_faces(complex), {}, 0};
-  fitting.work_left = static_cast<std::int64_t>(settings.most_work * static_cast<double>(cells));
-  const auto found = tetmesh::misfits(complex, materials, settings.aim, settings.labels, fitting.faces);
+  fitting.work_left = static_cast<std::int64_t>(settings.max_work * static_cast<double>(cells));
+  const auto found = tetmesh::deviating_faces(complex, materials, settings.aim, settings.labels, fitting.faces);
   fitting.faces = faces_near(complex, fitting.faces, found);
   auto missed = found;
   for (const auto& effort : efforts) missed = fit_places(fitting, std::move(missed), effort);
   std::sort(missed.begin(), missed.end());
-  auto late = tetmesh::misfits(complex, materials, settings.aim, settings.labels, suspects(fitting, found));
+  auto late = tetmesh::deviating_faces(complex, materials, settings.aim, settings.labels, suspects(fitting, found));
   std::erase_if(late, [&](const Face& face) { return std::binary_search(missed.begin(), missed.end(), face); });
   const auto again = fit_places(fitting, std::move(late), efforts.front());
   return static_cast<std::int64_t>(missed.size() + again.size());

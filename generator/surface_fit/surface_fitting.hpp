@@ -15,14 +15,14 @@ struct FitSettings {
   double aim = 0.29;       ///< distance of a face's centre and nodes from their surfaces and regions, in its edges
   double enough = 0.5116;  ///< quality that the cells at such places must keep
   tetmesh::LabelBits labels = ~0U;  ///< only surfaces of these
-  double most_work = 0.3;  ///< cells repaired at all places and tries together, over the mesh's cells (or 1.5 million),
-                           ///< about: the worst faces come first, what is left then stays as it is
+  double max_work = 0.3;  ///< cells repaired at all places and tries together, over the mesh's cells (or 1.5 million),
+                          ///< about: the worst faces come first, what is left then stays as it is
 };
 
 /// Needs `touches` to be what the cells make them (derive_touches). No cell ends below `enough`, or below the worst one
 /// of its place if that was below already. Returns at how many places a face stays beyond the aim. The same result for
 /// any number of threads.
-std::int64_t fit_faces(tetmesh::Complex& complex, const tetmesh::Materials& materials,
-                       const tetmesh::RepairSettings& repairing, const FitSettings& settings);
+std::int64_t fit_surfaces(tetmesh::Complex& complex, const tetmesh::Materials& materials,
+                          const tetmesh::RepairSettings& repairing, const FitSettings& settings);
 
 }  // namespace heartgen::surface_fit

@@ -34,7 +34,7 @@ struct Eased {
   std::vector<tetmesh::SurfaceFace> faces;
 
   /// What the faces lack with the node at `position`; `stop` where it is no less.
-  double misery(const Vec3& position, double stop) const {
+  double penalty(const Vec3& position, double stop) const {
     double sum = 0;
     for (const auto& face : faces) {
       const auto at = [&](std::size_t i) { return face.nodes[i] == node ? position : complex->at(face.nodes[i]); };
@@ -56,35 +56,35 @@ std::array<Vec3, 10> ways_around(const Vec3& normal) {
 }
 
 /// The first place around a node, at one distance, where its faces lack less; false where there is none.
-bool take_step(tetmesh::Complex& c, const Eased& eased, double step_mm, double most_mm, double least_quality,
-               double& misery) {
-  constexpr double least_gain = 0.05;  // of the misery
-  constexpr std::size_t along = 8;     // of the ways; the others go across
+bool take_step(tetmesh::Complex& c, const Eased& eased, double step_mm, double max_mm, double min_quality,
+               double& penalty) {
+  constexpr double min_gain = 0.05;  // of the misery
+  constexpr std::size_t along = 8;   // of the ways; the others go across
   const tetmesh::LabelBits labels = c.bits(eased.node) & ~tetmesh::side_bits;
   const auto here = tetmesh::offset_at(*eased.materials, labels, c.at(eased.node));
   const auto ways = ways_around(here.normal);
-  const std::size_t count = step_mm < most_mm ? ways.size() : along;
+  const std::size_t count = step_mm < max_mm ? ways.size() : along;
   for (std::size_t w = 0; w < count; ++w) {
     Vec3 place = c.at(eased.node) + step_mm * ways[w];
     const auto there = tetmesh::offset_at(*eased.materials, labels, place);
     if (w < along)
       place += (here.distance - there.distance) * there.normal;
-    else if (std::abs(there.distance) > std::max(std::abs(here.distance), most_mm))
+    else if (std::abs(there.distance) > std::max(std::abs(here.distance), max_mm))
       continue;
-    const double stop = (1 - least_gain) * misery, found = eased.misery(place, stop);
-    if (found >= stop || !tetmesh::move_node(c, eased.node, place, least_quality)) continue;
-    misery = found;
+    const double stop = (1 - min_gain) * penalty, found = eased.penalty(place, stop);
+    if (found >= stop || !tetmesh::move_node(c, eased.node, place, min_quality)) continue;
+    penalty = found;
     return true;
   }
   return false;
 }
 
-void ease(tetmesh::Complex& c, const Eased& eased, double least_quality) {
+void ease(tetmesh::Complex& c, const Eased& eased, double min_quality) {
   constexpr std::array steps{0.24, 0.12, 0.06};  // of the lattice's width
   const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(eased.node)]);
-  double misery = eased.misery(c.at(eased.node), std::numeric_limits<double>::max());
+  double penalty = eased.penalty(c.at(eased.node), std::numeric_limits<double>::max());
   for (const double step : steps)
-    if (misery > 0) take_step(c, eased, step * spacing, farthest * spacing, least_quality, misery);
+    if (penalty > 0) take_step(c, eased, step * spacing, farthest * spacing, min_quality, penalty);
 }
 
 // Marks the faces that are far off, of those that are marked.
@@ -125,10 +125,10 @@ std::vector<Eased> nodes_to_ease(const tetmesh::Complex& c, const tetmesh::Mater
 
 }  // namespace
 
-void ease_faces(tetmesh::Complex& c, const tetmesh::Materials& materials, double least_quality,
-                tetmesh::LabelBits labels) {
+void relax_tangentially(tetmesh::Complex& c, const tetmesh::Materials& materials, double min_quality,
+                        tetmesh::LabelBits labels) {
   constexpr int rounds = 2;
-  constexpr int most_cells = 2;        // between nodes that share one, although they have moved since
+  constexpr int max_cells = 2;         // between nodes that share one, although they have moved since
   constexpr std::size_t fewest = 100;  // nodes of a slab: fewer are not worth a thread
   if (std::adjacent_find(c.label.begin(), c.label.end(), std::not_equal_to<>()) == c.label.end()) return;
   auto faces = tetmesh::surface_faces(c);
@@ -140,8 +140,8 @@ void ease_faces(tetmesh::Complex& c, const tetmesh::Materials& materials, double
     keep_far(c, materials, faces, is_marked);
     const auto nodes = nodes_to_ease(c, materials, faces, is_marked);
     tetmesh::for_slabs(
-        tetmesh::slabs_across(c, most_cells, nodes.size() / fewest), nodes.size(),
-        [&](std::size_t i) { return c.at(nodes[i].node); }, [&](std::size_t i) { ease(c, nodes[i], least_quality); });
+        tetmesh::slabs_across(c, max_cells, nodes.size() / fewest), nodes.size(),
+        [&](std::size_t i) { return c.at(nodes[i].node); }, [&](std::size_t i) { ease(c, nodes[i], min_quality); });
   }
 }
 

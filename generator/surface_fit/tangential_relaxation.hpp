@@ -7,10 +7,10 @@
 namespace heartgen::surface_fit {
 
 /// Moves single nodes between two labels at faces whose centre is far from its surface, along the surface mostly, to
-/// where the faces around them are nearer. None where a cell falls below `least_quality` or, if it is below already,
+/// where the faces around them are nearer. None where a cell falls below `min_quality` or, if it is below already,
 /// gets worse. Only surfaces of `labels`, and none to the outside: where that is narrow, two sheets could pass through
 /// each other, and no cell would tell. The same result for any number of threads.
-void ease_faces(tetmesh::Complex& complex, const tetmesh::Materials& materials, double least_quality,
-                tetmesh::LabelBits labels);
+void relax_tangentially(tetmesh::Complex& complex, const tetmesh::Materials& materials, double min_quality,
+                        tetmesh::LabelBits labels);
 
 }  // namespace heartgen::surface_fit

@@ -17,9 +17,9 @@ namespace {
 
 // The mean of a quadratic function over a triangle, from its values at the centre and at the corners.
 constexpr double share_of_center = 0.75, share_of_corner = 1.0 / 12;
-constexpr double most_shift = 0.08;  // of the lattice's width: farther from the surface no node goes
-constexpr double evenness = 0.5;     // of what a node stands out from those around it, taken back in one round
-constexpr double least_slant = 0.5;  // of the surface against the sides
+constexpr double max_shift = 0.08;  // of the lattice's width: farther from the surface no node goes
+constexpr double evenness = 0.5;    // of what a node stands out from those around it, taken back in one round
+constexpr double min_slant = 0.5;   // of the surface against the sides
 
 // Nodes between two labels, also where their surface ends in a side of the box.
 bool is_on_surface(tetmesh::LabelBits touches) { return std::popcount(touches & ~tetmesh::side_bits) == 2; }
@@ -65,7 +65,7 @@ Vec3 along_normal(tetmesh::LabelBits touches, Vec3 normal, double distance) {
   for (int side = 0; side < 6; ++side)
     if ((touches & tetmesh::bit_of(tetmesh::first_side + side)) != 0) normal[side / 2] = 0;
   const double slant = dot(normal, normal);
-  return slant < least_slant ? Vec3{} : distance / slant * normal;
+  return slant < min_slant ? Vec3{} : distance / slant * normal;
 }
 
 std::vector<Vec3> shifts_of(const tetmesh::Complex& c, const std::vector<tetmesh::SurfaceFace>& faces,
@@ -86,7 +86,7 @@ std::vector<Vec3> shifts_of(const tetmesh::Complex& c, const std::vector<tetmesh
   std::vector<Vec3> shift(found.to_curve);
   parallel::parallel_for(0, static_cast<std::int64_t>(shift.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
-      const double limit = most_shift * static_cast<double>(c.spacing_mm[n]);
+      const double limit = max_shift * static_cast<double>(c.spacing_mm[n]);
       if (const double length = norm(shift[n]); length > limit) shift[n] *= limit / length;
       if (count[n] == 0) continue;
       const double own = found.node[n].distance;
@@ -114,7 +114,7 @@ std::vector<Vec3> shifts_at_worst(const tetmesh::Complex& c, const std::vector<t
   parallel::parallel_for(0, static_cast<std::int64_t>(shift.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
       const auto [low, high] = range[n];
-      const double spacing = static_cast<double>(c.spacing_mm[n]), limit = most_shift * spacing;
+      const double spacing = static_cast<double>(c.spacing_mm[n]), limit = max_shift * spacing;
       if (std::max(-low, high) < far * spacing) continue;
       const double own = found.node[n].distance;
       const double wanted = std::clamp(own - step * (low + high), -limit, limit) - own;
@@ -147,14 +147,14 @@ MeanOffsets mean_offsets(const tetmesh::Complex& c, const std::vector<tetmesh::S
 }
 
 std::vector<Vec3> shifts_to_even_out(const tetmesh::Complex& c, const MeanOffsets& offsets, const Measures& found) {
-  constexpr double least_way = 5e-4;  // of the lattice's width
+  constexpr double min_way = 5e-4;  // of the lattice's width
   std::vector<Vec3> shift(c.nodes_mm.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(shift.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
       if (!is_on_surface(c.touches[n])) continue;
       const auto offset = offsets.find(c.touches[n] & ~tetmesh::side_bits);
-      const double spacing = static_cast<double>(c.spacing_mm[n]), limit = most_shift * spacing;
-      if (offset == offsets.end() || std::abs(offset->second.mm()) < least_way * spacing) continue;
+      const double spacing = static_cast<double>(c.spacing_mm[n]), limit = max_shift * spacing;
+      if (offset == offsets.end() || std::abs(offset->second.mm()) < min_way * spacing) continue;
       const double own = found.node[n].distance;
       // A node beyond its limit stays where it is.
       const double wanted = std::clamp(own - offset->second.mm(), std::min(own, -limit), std::max(own, limit));
@@ -171,14 +171,14 @@ struct Rounds {
   std::vector<std::uint8_t> is_marked;
 };
 
-void shift_nodes(tetmesh::Complex& c, const std::vector<Vec3>& shift, double least_way, double least_quality,
+void shift_nodes(tetmesh::Complex& c, const std::vector<Vec3>& shift, double min_way, double min_quality,
                  Rounds& rounds) {
   constexpr int tries = 3;
   auto& to_move = rounds.to_move;
   auto& is_marked = rounds.is_marked;
   const auto is_to_move = [&](std::int32_t node) {
     const auto n = static_cast<std::size_t>(node);
-    return norm(shift[n]) > least_way * static_cast<double>(c.spacing_mm[n]) && !c.is_frozen(node);
+    return norm(shift[n]) > min_way * static_cast<double>(c.spacing_mm[n]) && !c.is_frozen(node);
   };
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<std::int32_t>& found) {
     for (auto n = static_cast<std::int32_t>(begin); n < end; ++n)
@@ -190,40 +190,40 @@ void shift_nodes(tetmesh::Complex& c, const std::vector<Vec3>& shift, double lea
       rounds.slabs, to_move.size(), [&](std::size_t i) { return c.at(to_move[i]); },
       [&](std::size_t i) {
         const auto n = static_cast<std::size_t>(to_move[i]);
-        is_marked[n] = tetmesh::shift_node(c, to_move[i], shift[n], tries, least_quality);
+        is_marked[n] = tetmesh::shift_node(c, to_move[i], shift[n], tries, min_quality);
       });
 }
 
 Rounds rounds_over(const tetmesh::Complex& c, const std::vector<tetmesh::SurfaceFace>& faces) {
   constexpr std::size_t fewest = 2000;  // faces of a slab: fewer are not worth a thread
-  constexpr int most_cells = 2;         // between nodes that share one, although they have moved since
+  constexpr int max_cells = 2;          // between nodes that share one, although they have moved since
   return {
-      tetmesh::slabs_across(c, most_cells, faces.size() / fewest), {}, std::vector<std::uint8_t>(c.nodes_mm.size(), 1)};
+      tetmesh::slabs_across(c, max_cells, faces.size() / fewest), {}, std::vector<std::uint8_t>(c.nodes_mm.size(), 1)};
 }
 
 }  // namespace
 
-void balance_surfaces(tetmesh::Complex& c, const tetmesh::Materials& materials, double least_quality) {
+void correct_surface_volumes(tetmesh::Complex& c, const tetmesh::Materials& materials, double min_quality) {
   constexpr int rounds = 4, rounds_at_worst = 2;
-  constexpr double least_way = 1e-3;  // of the lattice's width
+  constexpr double min_way = 1e-3;  // of the lattice's width
   const auto faces = tetmesh::surface_faces(c);
   auto moving = rounds_over(c, faces);
   Measures found;
   for (int round = 0; round < rounds + rounds_at_worst; ++round) {
     measure(c, materials, faces, moving.is_marked, found);
     const auto shift = round < rounds ? shifts_of(c, faces, found) : shifts_at_worst(c, faces, found);
-    shift_nodes(c, shift, least_way, least_quality, moving);
+    shift_nodes(c, shift, min_way, min_quality, moving);
   }
 }
 
-void even_out_volumes(tetmesh::Complex& c, const tetmesh::Materials& materials, double least_quality) {
+void equalize_volumes(tetmesh::Complex& c, const tetmesh::Materials& materials, double min_quality) {
   constexpr int rounds = 2;  // in the first one, nodes at their limit do not take their share
   const auto faces = tetmesh::surface_faces(c);
   auto moving = rounds_over(c, faces);
   Measures found;
   for (int round = 0; round < rounds; ++round) {
     measure(c, materials, faces, moving.is_marked, found);
-    shift_nodes(c, shifts_to_even_out(c, mean_offsets(c, faces, found), found), 0, least_quality, moving);
+    shift_nodes(c, shifts_to_even_out(c, mean_offsets(c, faces, found), found), 0, min_quality, moving);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "generator/tetmesh/complex.hpp"
+#include "model/contract.hpp"
 
 namespace heartgen::tetmesh {
 
@@ -26,6 +27,7 @@ struct Box {
 /// Around some points, at least one.
 template <class Points>
 Box box_around(const Points& points) {
+  HEARTGEN_EXPECTS(std::begin(points) != std::end(points));
   Box box{*points.begin(), *points.begin()};
   for (const Vec3& p : points) box.add(p);
   return box;

@@ -5,6 +5,7 @@
 
 #include "generator/tetmesh/feature.hpp"
 #include "generator/tetmesh/noise.hpp"
+#include "model/contract.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heartgen::tetmesh {
@@ -31,8 +32,9 @@ std::vector<std::int32_t> free_cells_around(const Complex& c, std::int32_t id, i
   }
 }
 
-Place place_of(const Complex& c, std::vector<std::int32_t> cells) {
-  Place place{std::move(cells), {}, {}};
+Cavity extract_cavity(const Complex& c, std::vector<std::int32_t> cells) {
+  HEARTGEN_EXPECTS(std::is_sorted(cells.begin(), cells.end()));
+  Cavity place{std::move(cells), {}, {}};
   place.nodes = nodes_of(c, place.cells);
   auto& part = place.part;
   for (const auto n : place.nodes) {
@@ -56,11 +58,11 @@ Place place_of(const Complex& c, std::vector<std::int32_t> cells) {
   return place;
 }
 
-Place place_around(const Complex& c, std::int32_t cell, int rings) {
-  return place_of(c, free_cells_around(c, cell, rings));
+Cavity cavity_around(const Complex& c, std::int32_t cell, int rings) {
+  return extract_cavity(c, free_cells_around(c, cell, rings));
 }
 
-void put_back(Complex& c, Place& place, const Complex& changed) {
+void reinsert_cavity(Complex& c, Cavity& place, const Complex& changed) {
   for (const auto t : place.cells) remove_cell(c, t);
   for (std::size_t n = 0; n < changed.nodes_mm.size(); ++n) {
     if (n < place.nodes.size()) {
@@ -78,7 +80,7 @@ void put_back(Complex& c, Place& place, const Complex& changed) {
   }
 }
 
-void shake_up(Complex& part, const Materials& materials, double amplitude, std::uint32_t seed) {
+void perturb(Complex& part, const Materials& materials, double amplitude, std::uint32_t seed) {
   constexpr double hopeless = 0.1;
   Noise noise{seed};
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(part.nodes_mm.size()); ++n) {

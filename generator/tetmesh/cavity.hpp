@@ -9,7 +9,7 @@
 namespace heartgen::tetmesh {
 
 /// Some cells of a complex as a complex of their own, whose outer nodes are frozen.
-struct Place {
+struct Cavity {
   std::vector<std::int32_t> cells, nodes;  ///< ids in the whole, ascending; node n of the part is nodes[n]
   Complex part;
 };
@@ -23,17 +23,17 @@ std::vector<std::int32_t> free_cells_around(const Complex& complex, std::int32_t
 std::vector<std::int32_t> nodes_of(const Complex& complex, std::span<const std::int32_t> cells);
 
 /// Some cells, ascending, as a place. Needs `touches` to be what the cells make them (derive_touches).
-Place place_of(const Complex& complex, std::vector<std::int32_t> cells);
+Cavity extract_cavity(const Complex& complex, std::vector<std::int32_t> cells);
 
 /// All cells around a cell as a place.
-Place place_around(const Complex& complex, std::int32_t cell, int rings);
+Cavity cavity_around(const Complex& complex, std::int32_t cell, int rings);
 
 /// Puts a changed copy of the part into the whole. Its frozen nodes have not moved.
-void put_back(Complex& complex, Place& place, const Complex& changed);
+void reinsert_cavity(Complex& complex, Cavity& place, const Complex& changed);
 
 /// Moves every node of a part that may move by up to about `amplitude` (of the lattice's width), where no cell becomes
 /// hopeless. Another seed, other ways.
-void shake_up(Complex& part, const Materials& materials, double amplitude, std::uint32_t seed);
+void perturb(Complex& part, const Materials& materials, double amplitude, std::uint32_t seed);
 
 double worst_quality(const Complex& complex);
 

@@ -18,9 +18,9 @@
 namespace heartgen::tetmesh {
 namespace {
 
-constexpr double least_gain = 1e-4;
-constexpr double least_quality = 0.1;  // a contraction that leaves worse cells behind is of no use
-constexpr std::size_t most_cells = 120;
+constexpr double min_gain = 1e-4;
+constexpr double min_quality = 0.1;  // a contraction that leaves worse cells behind is of no use
+constexpr std::size_t max_cells = 120;
 
 // Labels of the cells around an edge, and what lies beyond where it is an outer one.
 LabelBits touches_of(const Complex& c, const Ring& ring, std::int32_t a, std::int32_t b) {
@@ -117,8 +117,8 @@ Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept
   const double at_both = std::min(at_gone, worst_quality(c, c.star(kept)));
   Merge best;
   for (std::size_t i = 0; i < count; ++i) {
-    const double old = kind == Bound::before ? (i == 0 ? at_gone : at_both) + least_gain : 0;
-    const double bound = std::max(old, least_quality);
+    const double old = kind == Bound::before ? (i == 0 ? at_gone : at_both) + min_gain : 0;
+    const double bound = std::max(old, min_quality);
     double worst = worst_after(c, gone, kept, places[i], bound);
     if (i > 0 && worst > bound) worst = std::min(worst, worst_after(c, kept, gone, places[i], bound));
     if (worst - bound > best.gain) best = {places[i], worst - bound};
@@ -129,7 +129,7 @@ Merge best_merge(const Complex& c, const Materials& materials, std::int32_t kept
 // Cells around an edge one end of which may go into the other; none where it may not.
 Ring ring_to_shrink(const Complex& c, std::int32_t kept, std::int32_t gone) {
   const LabelBits bits = c.bits(gone);
-  if (c.is_frozen(gone) || (bits & ~c.bits(kept)) != 0 || c.star(kept).size() + c.star(gone).size() > most_cells)
+  if (c.is_frozen(gone) || (bits & ~c.bits(kept)) != 0 || c.star(kept).size() + c.star(gone).size() > max_cells)
     return {};
   const auto ring = ring_around(c, kept, gone);
   return ring.size == 0 || touches_of(c, ring, kept, gone) != bits ? Ring{} : ring;
@@ -156,7 +156,7 @@ void merge_into(Complex& c, std::int32_t kept, std::int32_t gone, const Vec3& po
 
 }  // namespace
 
-bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone,
+bool collapse_edge(Complex& c, const Materials& materials, std::int32_t kept, std::int32_t gone,
                    const SurfaceTolerance& tolerance) {
   const LabelBits bits = c.bits(gone);
   const auto ring = ring_to_shrink(c, kept, gone);
@@ -164,8 +164,8 @@ bool contract_edge(Complex& c, const Materials& materials, std::int32_t kept, st
   const auto merge = best_merge(c, materials, kept, gone, Bound::before);
   if (merge.gain <= 0 || !keeps_topology(c, ring, kept, gone)) return false;
   if (is_constrained(bits) && (leaves_surface(c, materials, kept, gone, merge.position, tolerance.middle) ||
-                               makes_misfit(c, materials, gone, merge.position, kept, tolerance.face) ||
-                               makes_misfit(c, materials, kept, merge.position, gone, tolerance.face)))
+                               makes_face_deviate(c, materials, gone, merge.position, kept, tolerance.face) ||
+                               makes_face_deviate(c, materials, kept, merge.position, gone, tolerance.face)))
     return false;
   merge_into(c, kept, gone, merge.position);
   return true;
@@ -180,7 +180,7 @@ bool shrink_edge(Complex& c, const Materials& materials, std::int32_t kept, std:
   return true;
 }
 
-std::int32_t halve_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b) {
+std::int32_t bisect_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b) {
   const auto ring = ring_around(c, a, b);
   if (ring.size == 0) return -1;
   const LabelBits touches = touches_of(c, ring, a, b);
@@ -223,7 +223,7 @@ std::optional<Vec3> find_change(const Materials& materials, int label, const Vec
 
 }  // namespace
 
-std::int32_t pierce_face(Complex& c, const Materials& materials, const Face& face) {
+std::int32_t split_face(Complex& c, const Materials& materials, const Face& face) {
   constexpr double reach = 0.8;  // of the face's edges
   const auto cells = cells_at_face(c, face[0], face[1], face[2]);
   if (cells[0] < 0 || std::all_of(face.begin(), face.end(), [&](std::int32_t n) { return c.is_frozen(n); })) return -1;
@@ -257,8 +257,8 @@ std::int32_t pierce_face(Complex& c, const Materials& materials, const Face& fac
   return node;
 }
 
-bool divide_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
-                 const SurfaceTolerance& tolerance) {
+bool split_edge(Complex& c, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
+                const SurfaceTolerance& tolerance) {
   constexpr double shortest = 0.5;  // in lattice widths: dividing again and again only makes the bad cells smaller
   const double width = static_cast<double>(
       std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]));
@@ -269,10 +269,10 @@ bool divide_edge(Complex& c, const Materials& materials, std::int32_t a, std::in
   if (old <= 0) return false;
   std::vector<std::pair<Cell, int>> before;
   for (std::size_t i = 0; i < ring.size; ++i) before.emplace_back(c.cell(ring.cells[i]), c.label_of(ring.cells[i]));
-  const auto node = halve_edge(c, materials, a, b);
+  const auto node = bisect_edge(c, materials, a, b);
   if (node < 0) return false;
   for (int i = 0; i < 3; ++i) smooth_node(c, materials, node, goal, tolerance);
-  if (worst_quality(c, c.star(node)) > old + 10 * least_gain) return true;
+  if (worst_quality(c, c.star(node)) > old + 10 * min_gain) return true;
   const std::vector<std::int32_t> made(c.star(node).begin(), c.star(node).end());
   for (const auto t : made) remove_cell(c, t);
   for (const auto& [cell, label] : before) add_cell(c, cell, label);

@@ -10,7 +10,7 @@ namespace heartgen::tetmesh {
 
 /// Merges `gone` into `kept` where this raises the worst cell around `gone`, keeps the topology of all regions,
 /// surfaces and curves, and leaves surfaces within the tolerance. `gone` must touch no label that `kept` does not.
-bool contract_edge(Complex& complex, const Materials& materials, std::int32_t kept, std::int32_t gone,
+bool collapse_edge(Complex& complex, const Materials& materials, std::int32_t kept, std::int32_t gone,
                    const SurfaceTolerance& tolerance);
 
 /// Merges `gone` into `kept` wherever that keeps the topology and leaves sound cells, whatever becomes of their quality
@@ -19,15 +19,15 @@ bool shrink_edge(Complex& complex, const Materials& materials, std::int32_t kept
 
 /// Puts a node on the edge, at the place of its surfaces near the middle. Returns the node, or -1 where the edge has to
 /// stay or its cells cannot be told.
-std::int32_t halve_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b);
+std::int32_t bisect_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b);
 
 /// Puts a node in a face between two labels, or a label and the outside: on its surface, where the normal at the face's
 /// middle meets it. That finds the bottom of a crease, which lies beyond the middles of edges. Returns the node, or -1
 /// where the surface is not near or the face has frozen nodes only.
-std::int32_t pierce_face(Complex& complex, const Materials& materials, const Face& face);
+std::int32_t split_face(Complex& complex, const Materials& materials, const Face& face);
 
 /// Puts a node on the edge and moves it; undone where the cells around do not get better.
-bool divide_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
-                 const SurfaceTolerance& tolerance);
+bool split_edge(Complex& complex, const Materials& materials, std::int32_t a, std::int32_t b, double goal,
+                const SurfaceTolerance& tolerance);
 
 }  // namespace heartgen::tetmesh

@@ -8,6 +8,7 @@
 #include "generator/tetmesh/quality.hpp"
 #include "generator/tetmesh/shared_marks.hpp"
 #include "generator/tetmesh/stars.hpp"
+#include "model/contract.hpp"
 
 namespace heartgen::tetmesh {
 namespace {
@@ -53,23 +54,23 @@ bool rate(const Complex& c, std::span<const std::int32_t> cells, const Found& fo
 
 // Moves a node where no cell around it falls below the bound.
 bool try_position(Complex& c, std::int32_t node, const Vec3& position, double bound) {
-  constexpr std::size_t usual_cells = 64;
-  std::array<float, usual_cells> found;
+  constexpr std::size_t typical_cells = 64;
+  std::array<float, typical_cells> found;
   auto& place = c.nodes_mm[static_cast<std::size_t>(node)];
   const Vec3 old = place;
   place = position;
   const auto star = c.star(node);
   const bool is_good = rate(c, star, [&](std::size_t i, double here) {
-    if (i < usual_cells) found[i] = static_cast<float>(here);
+    if (i < typical_cells) found[i] = static_cast<float>(here);
     return here >= bound;
   });
   if (!is_good) {
     place = old;
     return false;
   }
-  for (std::size_t i = 0; i < std::min(star.size(), usual_cells); ++i)
+  for (std::size_t i = 0; i < std::min(star.size(), typical_cells); ++i)
     c.quality[static_cast<std::size_t>(star[i])] = found[i];
-  if (star.size() > usual_cells) update_qualities(c, star.subspan(usual_cells));
+  if (star.size() > typical_cells) update_qualities(c, star.subspan(typical_cells));
   return true;
 }
 
@@ -80,6 +81,8 @@ double quality(const Complex& complex, const Cell& cell) {
 }
 
 void connect_stars(Complex& c) {
+  HEARTGEN_EXPECTS(c.label.size() == c.cells.size());
+  HEARTGEN_EXPECTS(std::all_of(c.cells.begin(), c.cells.end(), [](const Cell& cell) { return cell[0] >= 0; }));
   c.first.resize(c.nodes_mm.size());
   c.capacity.resize(c.nodes_mm.size());
   c.count.resize(c.nodes_mm.size());
@@ -139,6 +142,7 @@ std::int32_t add_cell(Complex& complex, const Cell& cell, int label) {
 }
 
 void remove_cell(Complex& complex, std::int32_t cell) {
+  HEARTGEN_EXPECTS(complex.cells[static_cast<std::size_t>(cell)][0] >= 0);
   auto& nodes = complex.cells[static_cast<std::size_t>(cell)];
   for (const auto n : nodes) erase_from_star(complex, n, cell);
   nodes[0] = -1;
@@ -151,6 +155,7 @@ void update_quality(Complex& complex, std::int32_t cell) {
 }
 
 void update_qualities(Complex& c, std::span<const std::int32_t> cells) {
+  HEARTGEN_INVARIANT(std::all_of(cells.begin(), cells.end(), [&](std::int32_t id) { return c.cell(id)[0] >= 0; }));
   rate(c, cells, [&](std::size_t i, double quality) {
     c.quality[static_cast<std::size_t>(cells[i])] = static_cast<float>(quality);
     return true;
@@ -163,13 +168,13 @@ double worst_quality(const Complex& complex, std::span<const std::int32_t> cells
   return worst;
 }
 
-bool move_node(Complex& c, std::int32_t node, const Vec3& position, double least_quality) {
-  return try_position(c, node, position, std::min(least_quality, worst_quality(c, c.star(node))));
+bool move_node(Complex& c, std::int32_t node, const Vec3& position, double min_quality) {
+  return try_position(c, node, position, std::min(min_quality, worst_quality(c, c.star(node))));
 }
 
-bool shift_node(Complex& c, std::int32_t node, Vec3 way_mm, int tries, double least_quality) {
+bool shift_node(Complex& c, std::int32_t node, Vec3 way_mm, int tries, double min_quality) {
   const Vec3 old = c.at(node);
-  const double bound = std::min(least_quality, worst_quality(c, c.star(node)));
+  const double bound = std::min(min_quality, worst_quality(c, c.star(node)));
   for (int i = 0; i < tries; ++i, way_mm *= 0.5)
     if (try_position(c, node, old + way_mm, bound)) return true;
   return false;
@@ -186,6 +191,13 @@ void derive_touches(Complex& complex) {
       if (c.cells[t][0] >= 0)
         for (const auto n : c.cells[t]) set_bits(c.touches[static_cast<std::size_t>(n)], bit_of(c.label[t]));
   });
+}
+
+bool has_derived_touches(const Complex& complex) {
+  Complex derived = complex;
+  derive_touches(derived);
+  const auto is_same = [](LabelBits a, LabelBits b) { return ((a ^ b) & ~(bit_of(0) | hull_bit)) == 0; };
+  return std::equal(derived.touches.begin(), derived.touches.end(), complex.touches.begin(), is_same);
 }
 
 namespace {

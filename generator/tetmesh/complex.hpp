@@ -64,16 +64,19 @@ void update_quality(Complex& complex, std::int32_t cell);
 void update_qualities(Complex& complex, std::span<const std::int32_t> cells);  ///< all must be alive
 double worst_quality(const Complex& complex, std::span<const std::int32_t> cells);
 
-/// Moves a node where no cell around it falls below `least_quality` or, if one is below already, below the worst.
+/// Moves a node where no cell around it falls below `min_quality` or, if one is below already, below the worst.
 /// Returns whether it did.
-bool move_node(Complex& complex, std::int32_t node, const Vec3& position, double least_quality);
+bool move_node(Complex& complex, std::int32_t node, const Vec3& position, double min_quality);
 
 /// Moves a node the whole way or, halved at most `tries - 1` times, as much of it as leaves no cell around below
-/// `least_quality` or, if one is below already, below the worst. Returns whether it moved.
-bool shift_node(Complex& complex, std::int32_t node, Vec3 way_mm, int tries, double least_quality);
+/// `min_quality` or, if one is below already, below the worst. Returns whether it moved.
+bool shift_node(Complex& complex, std::int32_t node, Vec3 way_mm, int tries, double min_quality);
 
 /// Sets `touches` from the labels of the cells; sides are kept, and `hull_bit` becomes a touch of the outside.
 void derive_touches(Complex& complex);
+
+/// Whether `touches` is what derive_touches makes of the cells; touches of the outside, which no cell tells, apart.
+bool has_derived_touches(const Complex& complex);
 
 /// Drops free slots, cells with `label` 0 and nodes without cells; keeps the order, and the qualities where there is
 /// one for each cell. Leaves the stars as they were.

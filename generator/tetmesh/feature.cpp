@@ -7,10 +7,10 @@ namespace heartgen::tetmesh {
 namespace {
 
 // Level sets are flat in the middle of thick bodies; a step there must not run away.
-constexpr double least_slope = 0.02;
-constexpr double most_step_mm = 2;
+constexpr double min_slope = 0.02;
+constexpr double max_step_mm = 2;
 
-double slope_squared(const Equation& e) { return std::max(dot(e.gradient, e.gradient), least_slope * least_slope); }
+double slope_squared(const Equation& e) { return std::max(dot(e.gradient, e.gradient), min_slope * min_slope); }
 
 // Solves (J J^T + small) x = values for the first `count` (2 or 3) equations of unit slope.
 std::array<double, 3> solve(const std::array<Vec3, 3>& g, const std::array<double, 3>& f, int count) {
@@ -55,14 +55,14 @@ Vec3 step_to(const Feature& feature) {
     const auto& e = feature.equations[i];
     const double scale = 1 / std::sqrt(slope_squared(e));
     g[i] = scale * e.gradient;
-    f[i] = std::clamp(scale * e.value, -most_step_mm, most_step_mm);
+    f[i] = std::clamp(scale * e.value, -max_step_mm, max_step_mm);
   }
   if (count == 1) return -f[0] * g[0];
   const auto x = solve(g, f, count);
   Vec3 step;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) step -= x[i] * g[i];
   const double length = norm(step);
-  return length > 2 * most_step_mm ? (2 * most_step_mm / length) * step : step;
+  return length > 2 * max_step_mm ? (2 * max_step_mm / length) * step : step;
 }
 
 Vec3 project(const Materials& materials, LabelBits touches, const Vec3& start, int iterations) {
@@ -91,7 +91,7 @@ double distance_to(const Feature& feature) {
 Offset offset_at(const Materials& materials, LabelBits labels, const Vec3& point) {
   const auto feature = feature_at(materials, labels, point);
   const auto& e = feature.equations[0];
-  const double slope = std::max(norm(e.gradient), least_slope);
+  const double slope = std::max(norm(e.gradient), min_slope);
   return {e.value / slope, e.gradient / slope};
 }
 

@@ -9,7 +9,7 @@ namespace heartgen::tetmesh {
 
 /// The equations of the place where all labels of `touches` meet: the sides of the box first.
 struct Feature {
-  std::array<Equation, most_equations> equations;
+  std::array<Equation, max_equations> equations;
   int count = 0;
 };
 Feature feature_at(const Materials& materials, LabelBits touches, const Vec3& point);

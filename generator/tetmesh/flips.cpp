@@ -15,7 +15,7 @@
 namespace heartgen::tetmesh {
 namespace {
 
-constexpr double least_gain = 1e-4;
+constexpr double min_gain = 1e-4;
 
 /// A polygon around an edge, cut into triangles; each makes a cell with either end of the edge (Klincsek's recursion).
 struct Filling {
@@ -150,7 +150,7 @@ bool remove_edge(Complex& c, const Materials& materials, std::int32_t a, std::in
   if (ring.size == 0) return false;
   const double old = worst_quality(c, std::span(ring.cells.data(), ring.size));
   if (old <= 0) return false;
-  const double bound = old + least_gain;
+  const double bound = old + min_gain;
   if (!ring.is_open && ring.arc_count == 1) return exchange_inside(c, ring, a, b, bound);
   if (ring.arc_count == (ring.is_open ? 1U : 2U))
     return exchange_on_surface(c, materials, ring, a, b, bound, tolerance);
@@ -172,7 +172,7 @@ bool remove_face(Complex& c, std::int32_t id, std::size_t corner) {
   const std::array dropped{x, y, z};
   for (std::size_t i = 0; i < 3; ++i) {
     std::replace(made[i].begin(), made[i].end(), dropped[i], far);
-    if (quality(c, made[i]) <= old + least_gain) return false;
+    if (quality(c, made[i]) <= old + min_gain) return false;
   }
   const int label = c.label_of(id);
   remove_cell(c, id);
@@ -188,13 +188,13 @@ constexpr std::array<std::array<std::size_t, 2>, 6> edge_ends{{{0, 1}, {0, 2}, {
 
 // Five walls and chambers meet where atria, ventricles and a great vessel do, and the outside; every set of them is
 // looked at.
-constexpr std::size_t most_labels = 7;
+constexpr std::size_t max_labels = 7;
 constexpr int outside = 0;
 
 /// What the other cells around a cell share with it, per label: which of its corners, edges and faces.
 struct Contacts {
-  std::array<int, most_labels> labels{};  // of the neighbours
-  std::array<std::uint32_t, most_labels> parts{};
+  std::array<int, max_labels> labels{};  // of the neighbours
+  std::array<std::uint32_t, max_labels> parts{};
   std::size_t count = 0;
 };
 
@@ -320,21 +320,21 @@ bool relabel(Complex& c, std::int32_t id, int label) {
   return true;
 }
 
-bool relabel_tip(Complex& c, std::int32_t id) {
+bool relabel_spike(Complex& c, std::int32_t id) {
   const Cell cell = c.cell(id);
   const int own = c.label_of(id);
   if (has_frozen_node(c, cell)) return false;
   for (std::size_t i = 0; i < 4; ++i)
     if (cells_at_face(c, cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4])[1] < 0) return false;
   const auto contacts = contacts_of(c, id);
-  int other = -1, most_faces = 0;
+  int other = -1, max_faces = 0;
   for (std::size_t i = 0; i < contacts.count; ++i) {
     const int faces = std::popcount(contacts.parts[i] >> 10U);
-    if (contacts.labels[i] == own || contacts.labels[i] == outside || faces <= most_faces ||
+    if (contacts.labels[i] == own || contacts.labels[i] == outside || faces <= max_faces ||
         !keeps_topology(contacts, own, contacts.labels[i]))
       continue;
     other = contacts.labels[i];
-    most_faces = faces;
+    max_faces = faces;
   }
   if (other < 0) return false;
   give_label(c, id, other);

@@ -22,6 +22,6 @@ bool relabel(Complex& complex, std::int32_t cell, int label);
 
 /// A cell at the thin tip or edge of a material takes the label of a neighbour, where no set of materials changes its
 /// topology. Nothing moves; but surfaces meet less sharply there, and the nodes are freer afterwards.
-bool relabel_tip(Complex& complex, std::int32_t cell);
+bool relabel_spike(Complex& complex, std::int32_t cell);
 
 }  // namespace heartgen::tetmesh

@@ -73,13 +73,13 @@ std::vector<std::uint8_t> feature_nodes(std::size_t node_count, const std::vecto
     for (std::size_t i = 0; i < 3; ++i)
       edges.push_back({std::minmax(faces[f].nodes[i], faces[f].nodes[(i + 1) % 3]), f});
   std::sort(edges.begin(), edges.end());
-  const double least_cosine = math::cos(feature_deg * std::numbers::pi / 180);
+  const double min_cosine = math::cos(feature_deg * std::numbers::pi / 180);
   for (std::size_t e = 0; e < edges.size();) {
     std::size_t end = e;
     while (end < edges.size() && edges[end].first == edges[e].first) ++end;
     const auto& one = faces[edges[e].second];
     const auto& other = faces[edges[end - 1].second];
-    if (end - e != 2 || one.labels != other.labels || dot(one.normal, other.normal) < least_cosine)
+    if (end - e != 2 || one.labels != other.labels || dot(one.normal, other.normal) < min_cosine)
       stays[static_cast<std::size_t>(edges[e].first.first)] = stays[static_cast<std::size_t>(edges[e].first.second)] =
           1;
     e = end;
@@ -87,8 +87,8 @@ std::vector<std::uint8_t> feature_nodes(std::size_t node_count, const std::vecto
   return stays;
 }
 
-/// Nodes where the surface bends by more than `most_mm` over one edge stay too: a flat face instead would cut that off.
-void freeze_bends(const std::vector<Vec3>& nodes, const std::vector<SurfaceFace>& faces, double most_mm,
+/// Nodes where the surface bends by more than `max_mm` over one edge stay too: a flat face instead would cut that off.
+void freeze_bends(const std::vector<Vec3>& nodes, const std::vector<SurfaceFace>& faces, double max_mm,
                   std::vector<std::uint8_t>& stays) {
   std::vector<std::pair<std::int32_t, std::size_t>> corners;
   for (std::size_t f = 0; f < faces.size(); ++f)
@@ -101,7 +101,7 @@ void freeze_bends(const std::vector<Vec3>& nodes, const std::vector<SurfaceFace>
     for (auto i = c; i < end && stays[n] == 0; ++i)
       for (auto j = c; j < end; ++j)
         for (const auto m : faces[corners[j].second].nodes)
-          if (std::abs(dot(faces[corners[i].second].normal, nodes[static_cast<std::size_t>(m)] - nodes[n])) > most_mm)
+          if (std::abs(dot(faces[corners[i].second].normal, nodes[static_cast<std::size_t>(m)] - nodes[n])) > max_mm)
             stays[n] = 1;
     c = end;
   }

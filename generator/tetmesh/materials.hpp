@@ -20,7 +20,7 @@ struct Equation {
   double value = 0;
   Vec3 gradient;  ///< per mm, along the axes of the box
 };
-constexpr std::size_t most_equations = 6;
+constexpr std::size_t max_equations = 6;
 
 /// A ball in which edges are shorter.
 struct FineSpot {

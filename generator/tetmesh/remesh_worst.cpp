@@ -11,6 +11,7 @@
 #include "generator/parallel/threads.hpp"
 #include "generator/tetmesh/cavity.hpp"
 #include "generator/tetmesh/collapse.hpp"
+#include "model/contract.hpp"
 
 namespace heartgen::tetmesh {
 namespace {
@@ -33,7 +34,7 @@ std::pair<std::int32_t, std::int32_t> edge_of_worst(const Complex& part, std::si
 // What is tried with a place, in this order. To divide an edge of the worst cell first helps most often and takes
 // least; shakes of all the cells below the goal take most: where all else failed they seldom help.
 constexpr int edges_of_cell = 6, modest_from = edges_of_cell, thorough_from = modest_from + 6,
-              divided_and_shaken_from = thorough_from + 2, most_tries = divided_and_shaken_from + edges_of_cell;
+              divided_and_shaken_from = thorough_from + 2, max_tries = divided_and_shaken_from + edges_of_cell;
 
 void try_to_mend(Complex& part, const Materials& materials, RepairSettings settings, double enough, int number) {
   settings.may_relabel =
@@ -43,13 +44,13 @@ void try_to_mend(Complex& part, const Materials& materials, RepairSettings setti
   if (divides) {
     const int place = number < modest_from ? number : number - divided_and_shaken_from;
     const auto [a, b] = edge_of_worst(part, static_cast<std::size_t>(place));
-    halve_edge(part, materials, a, b);
+    bisect_edge(part, materials, a, b);
     if (number < modest_from)
       settings.sweeps = std::min(settings.sweeps, 6);  // without shakes: another edge is cheaper
-    if (number >= divided_and_shaken_from) shake_up(part, materials, 0.03, static_cast<std::uint32_t>(place));
+    if (number >= divided_and_shaken_from) perturb(part, materials, 0.03, static_cast<std::uint32_t>(place));
   } else {
     const int shakes = number >= thorough_from ? number - thorough_from : number - modest_from;
-    if (shakes > 0) shake_up(part, materials, 0.04 + 0.04 * (shakes % 4), static_cast<std::uint32_t>(shakes));
+    if (shakes > 0) perturb(part, materials, 0.04 + 0.04 * (shakes % 4), static_cast<std::uint32_t>(shakes));
     if (number >= thorough_from) {
       settings.least = settings.goal;
       settings.sweeps *= 2;
@@ -94,7 +95,7 @@ std::vector<std::int32_t> cells_below(const Complex& c, double enough) {
 
 /// A place with bad cells, and the best that was made of it.
 struct Job {
-  Place place;
+  Cavity place;
   Complex best;
   bool is_better = false, is_enough = false;
 };
@@ -111,7 +112,7 @@ std::vector<Job> next_places(const Complex& c, std::vector<std::int32_t>& bad, d
       left.push_back(id);
       continue;
     }
-    auto place = place_around(c, id, rings);
+    auto place = cavity_around(c, id, rings);
     std::vector<std::int32_t> both;
     std::set_intersection(place.cells.begin(), place.cells.end(), taken.begin(), taken.end(), std::back_inserter(both));
     if (!both.empty()) {
@@ -143,10 +144,11 @@ void mend(std::vector<Job>& jobs, const Materials& materials, const RepairSettin
 
 }  // namespace
 
-std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough,
-                    OnFailure on_failure) {
+std::int64_t remesh_worst(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough,
+                          OnFailure on_failure) {
+  HEARTGEN_INVARIANT(has_derived_touches(complex));
   constexpr std::size_t always = 30, cells_for_one = 30'000;
-  constexpr int most_in_vain = 8;  // after so many of the worst, what is cheap is all that the others get
+  constexpr int max_in_vain = 8;  // after so many of the worst, what is cheap is all that the others get
   auto bad = cells_below(complex, enough);
   // More are not a few: the whole has to be made in another way.
   if (bad.size() > std::max(always, complex.cells.size() / cells_for_one)) return static_cast<std::int64_t>(bad.size());
@@ -155,9 +157,9 @@ std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSe
   int in_vain = 0;
   for (bool is_lost = false; !is_lost && !bad.empty(); at_once = 4) {
     auto jobs = next_places(complex, bad, enough, at_once);
-    mend(jobs, materials, settings, enough, in_vain < most_in_vain ? most_tries : modest_from);
+    mend(jobs, materials, settings, enough, in_vain < max_in_vain ? max_tries : modest_from);
     for (auto& job : jobs) {
-      if (job.is_better) put_back(complex, job.place, job.best);
+      if (job.is_better) reinsert_cavity(complex, job.place, job.best);
       in_vain += job.is_enough ? 0 : 1;
       is_lost = is_lost || (on_failure == OnFailure::stop && !job.is_enough);
     }

@@ -16,7 +16,7 @@ enum class OnFailure { stop, go_on };
 /// Works on the cells below `enough`, the worst first. What they end with is never worse. None where there are too many
 /// of them. Returns how many are left. Needs `touches` to be what the cells make them (derive_touches). The same result
 /// for any number of threads.
-std::int64_t rescue(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough,
-                    OnFailure on_failure);
+std::int64_t remesh_worst(Complex& complex, const Materials& materials, const RepairSettings& settings, double enough,
+                          OnFailure on_failure);
 
 }  // namespace heartgen::tetmesh

@@ -63,11 +63,11 @@ struct Sweep {
     for (std::size_t corner = 0; corner < 4; ++corner)
       if (remove_face(c, id, corner)) return true;
     if (number >= contract_from && any_edge(cell, [&](auto a, auto b) {
-          return contract_edge(c, *materials, a, b, surface) || contract_edge(c, *materials, b, a, surface);
+          return collapse_edge(c, *materials, a, b, surface) || collapse_edge(c, *materials, b, a, surface);
         }))
       return true;
     return number >= divide_from &&
-           any_edge(cell, [&](auto a, auto b) { return divide_edge(c, *materials, a, b, goal + 0.05, surface); });
+           any_edge(cell, [&](auto a, auto b) { return split_edge(c, *materials, a, b, goal + 0.05, surface); });
   }
   void smooth_region(std::int32_t id) const {
     constexpr int rounds = 3;
@@ -108,7 +108,7 @@ struct Shaker {
       sweep->complex->nodes_mm[static_cast<std::size_t>(nodes[i])] = kept[i];
     update();
   }
-  double misery() const {
+  double penalty() const {
     double sum = 0;
     for (const auto t : cells) {
       const double lack = std::max(0.0, sweep->goal + 0.005 - sweep->complex->quality_of(t));
@@ -141,13 +141,13 @@ void shake(const Sweep& sweep, std::int32_t id, Noise& noise) {
   constexpr int tries = 8;
   Shaker shaker(sweep, id);
   const Cell cell = sweep.complex->cell(id);
-  double misery = shaker.misery(), worst = shaker.worst();
-  for (int i = 0; i < tries && misery > 0; ++i) {
+  double penalty = shaker.penalty(), worst = shaker.worst();
+  for (int i = 0; i < tries && penalty > 0; ++i) {
     shaker.move_at_random(noise, 0.08 + 0.03 * (i % 6), i % 2 == 0 ? &cell : nullptr);
     shaker.smooth_all();
-    const double now = shaker.misery();
-    if (now < 0.999 * misery && shaker.worst() >= worst) {
-      misery = now;
+    const double now = shaker.penalty();
+    if (now < 0.999 * penalty && shaker.worst() >= worst) {
+      penalty = now;
       worst = shaker.worst();
       shaker.keep();
     } else {
@@ -186,7 +186,7 @@ void run(const Sweep& sweep, const std::vector<std::int32_t>& bad, const RepairS
   if (sweep.number < shake_from) return;
   if (settings.may_relabel && sweep.number % 2 == 1)
     for (const auto id : bad_cells(*sweep.complex, settings.least))
-      if (sweep.complex->is_alive(id)) relabel_tip(*sweep.complex, id);
+      if (sweep.complex->is_alive(id)) relabel_spike(*sweep.complex, id);
   for (const auto id : bad_cells(*sweep.complex, settings.least))
     if (sweep.complex->quality_of(id) < settings.least && shakes_left-- > 0 && sweep.may_try(id))
       shake(sweep, id, noise);
@@ -195,12 +195,12 @@ void run(const Sweep& sweep, const std::vector<std::int32_t>& bad, const RepairS
 }  // namespace
 
 std::int64_t repair(Complex& complex, const Materials& materials, const RepairSettings& settings) {
-  constexpr int most_shakes = 1000, most_stalled = 3;
+  constexpr int max_shakes = 1000, max_stalled = 3;
   Noise noise;
-  int shakes_left = most_shakes, stalled = 0;
+  int shakes_left = max_shakes, stalled = 0;
   std::int64_t budget = settings.budget;
   auto bad = bad_cells(complex, settings.goal);
-  for (int number = 0; number < settings.sweeps && !bad.empty() && stalled < most_stalled && budget > 0; ++number) {
+  for (int number = 0; number < settings.sweeps && !bad.empty() && stalled < max_stalled && budget > 0; ++number) {
     const double loose = number < loosen_from ? 0 : std::min(1.0, 0.2 * (number - loosen_from + 1));
     const SurfaceTolerance surface{loose * settings.tolerance, settings.middle, settings.face};
     run({&complex, &materials, settings.goal, number, surface, &budget}, bad, settings, noise, shakes_left);

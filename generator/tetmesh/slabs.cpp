@@ -36,11 +36,11 @@ std::size_t Slabs::of(const Vec3& p) const {
   return number <= 0 ? 0 : std::min(static_cast<std::size_t>(number), count - 1);
 }
 
-Slabs slabs_across(const Complex& complex, int cells, std::size_t most_slabs) {
+Slabs slabs_across(const Complex& complex, int cells, std::size_t max_slabs) {
   constexpr double rounding = 1.01;
-  constexpr std::size_t usual_slabs = 12;
+  constexpr std::size_t default_slabs = 12;
   Slabs slabs;
-  const auto wanted = static_cast<double>(std::min(most_slabs, usual_slabs));
+  const auto wanted = static_cast<double>(std::min(max_slabs, default_slabs));
   if (complex.nodes_mm.empty() || wanted < 2) return slabs;
   Vec3 low = complex.nodes_mm[0], high = low;
   for (const auto& p : complex.nodes_mm)

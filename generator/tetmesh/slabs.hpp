@@ -17,9 +17,9 @@ struct Slabs {
   std::size_t of(const Vec3& p) const;
 };
 
-/// At most `most_slabs`, each at least so many cells wide: with 1, no two nodes of slabs that are not neighbours share
+/// At most `max_slabs`, each at least so many cells wide: with 1, no two nodes of slabs that are not neighbours share
 /// a cell.
-Slabs slabs_across(const Complex& complex, int cells, std::size_t most_slabs);
+Slabs slabs_across(const Complex& complex, int cells, std::size_t max_slabs);
 
 /// Calls work(i) once for each of `count` items: in the order of the items inside a slab, first in all slabs with even
 /// numbers, then in the others. `place(i)` is where item i lies before the work begins. Items of different slabs of one

@@ -12,20 +12,20 @@
 namespace heartgen::tetmesh {
 namespace {
 
-constexpr std::size_t most_cells = 128;
-constexpr std::size_t most_gradients = 12;
-constexpr double least_gain = 1e-4;
+constexpr std::size_t max_cells = 128;
+constexpr std::size_t max_gradients = 12;
+constexpr double min_gain = 1e-4;
 
 /// The cells around a node as the three other corners of each, in coordinate arrays so that the loop vectorises.
 struct Star {
   std::size_t size = 0;
-  double x[3][most_cells], y[3][most_cells], z[3][most_cells];
+  double x[3][max_cells], y[3][max_cells], z[3][max_cells];
 
   double quality_at(std::size_t i, const Vec3& p) const {
     return cell_quality(p, {x[0][i], y[0][i], z[0][i]}, {x[1][i], y[1][i], z[1][i]}, {x[2][i], y[2][i], z[2][i]});
   }
 };
-using Qualities = std::array<double, most_cells>;
+using Qualities = std::array<double, max_cells>;
 
 constexpr std::size_t batch = CellBatch::size;
 
@@ -63,7 +63,7 @@ void gather(const Complex& c, std::int32_t node, Star& star) {
   constexpr std::size_t rest[4][3] = {{1, 2, 3}, {0, 3, 2}, {3, 0, 1}, {2, 1, 0}};
   star.size = 0;
   // Bad cells first: they decide most often.
-  std::array<std::pair<float, std::int32_t>, most_cells> order;
+  std::array<std::pair<float, std::int32_t>, max_cells> order;
   std::size_t count = 0;
   for (const auto t : c.star(node)) order[count++] = {c.quality[static_cast<std::size_t>(t)], t};
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count));
@@ -110,7 +110,7 @@ Tangents tangents_of(const Feature& feature) {
 }
 
 // The shortest vector in the convex hull of the gradients: a direction in which all of them rise (Gilbert's method).
-Vec3 common_ascent(const std::array<Vec3, most_gradients>& gradients, std::size_t count) {
+Vec3 common_ascent(const std::array<Vec3, max_gradients>& gradients, std::size_t count) {
   Vec3 d = gradients[0];
   for (std::size_t i = 1; i < count; ++i)
     if (dot(gradients[i], gradients[i]) < dot(d, d)) d = gradients[i];
@@ -143,10 +143,10 @@ struct Smoother {
       const LabelBits hard = tolerance > 0 ? touches & side_bits : touches;
       tangents = tangents_of(feature_at(*materials, hard, position));
     }
-    std::array<Vec3, most_gradients> gradients;
+    std::array<Vec3, max_gradients> gradients;
     std::size_t count = 0;
     const double step = 1e-5 * spacing;
-    for (std::size_t i = 0; i < star->size && count < most_gradients; ++i) {
+    for (std::size_t i = 0; i < star->size && count < max_gradients; ++i) {
       if (q[i] > worst + band) continue;
       gradients[count++] = tangents.along(gradient_of(*star, i, position, q[i], step));
     }
@@ -162,20 +162,20 @@ struct Smoother {
     return is_near;
   }
   bool climb(Vec3& position, Qualities& q, double worst, double goal) const {
-    constexpr int most_steps = 6, most_tries = 5;
+    constexpr int max_steps = 6, max_tries = 5;
     double step = 0.15 * spacing;
     bool moved = false;
     Qualities tried{};
-    for (int i = 0; i < most_steps && worst < goal; ++i) {
+    for (int i = 0; i < max_steps && worst < goal; ++i) {
       Vec3 way = direction(position, q, worst);
       if (norm(way) * spacing < 0.02) break;
       way = normalized(way);
       bool better = false;
-      for (int attempt = 0; attempt < most_tries && !better; ++attempt, step *= 0.4) {
+      for (int attempt = 0; attempt < max_tries && !better; ++attempt, step *= 0.4) {
         Vec3 candidate = position + step * way;
         if (!constrain(candidate)) continue;
-        const double value = evaluate(*star, candidate, worst + least_gain, tried);
-        if (value <= worst + least_gain) continue;
+        const double value = evaluate(*star, candidate, worst + min_gain, tried);
+        if (value <= worst + min_gain) continue;
         position = candidate;
         worst = value;
         q = tried;
@@ -208,7 +208,7 @@ bool is_allowed(const Complex& complex, const Materials& materials, std::int32_t
 bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node, double goal,
                  const SurfaceTolerance& surface) {
   const auto cells = complex.star(node);
-  if (complex.is_frozen(node) || cells.empty() || cells.size() > most_cells || worst_quality(complex, cells) >= goal)
+  if (complex.is_frozen(node) || cells.empty() || cells.size() > max_cells || worst_quality(complex, cells) >= goal)
     return false;
   const auto n = static_cast<std::size_t>(node);
   const double spacing = static_cast<double>(complex.spacing_mm[n]);
@@ -225,7 +225,7 @@ bool smooth_node(Complex& complex, const Materials& materials, std::int32_t node
   Qualities q{};
   const double worst = evaluate(star, position, -9, q);
   if (!smoother.climb(position, q, worst, goal)) return false;
-  if (smoother.is_bound() && makes_misfit(complex, materials, node, position, -1, surface.face)) return false;
+  if (smoother.is_bound() && makes_face_deviate(complex, materials, node, position, -1, surface.face)) return false;
   complex.nodes_mm[n] = position;
   update_qualities(complex, cells);
   return true;

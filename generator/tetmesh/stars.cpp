@@ -8,7 +8,7 @@
 namespace heartgen::tetmesh {
 namespace {
 
-constexpr std::int64_t most_pieces = 8;  // each has a number for every node
+constexpr std::int64_t max_pieces = 8;  // each has a number for every node
 
 // Calls visit(number, cell) for each corner with the number of its node in the piece to which the cell belongs.
 template <class Visit>
@@ -28,7 +28,7 @@ void for_corners(std::span<const Cell> cells, PieceNumbers& numbers, const Visit
 }  // namespace
 
 PieceNumbers count_corners(std::size_t node_count, std::span<const Cell> cells) {
-  const auto pieces = std::min<std::int64_t>(parallel::thread_count(), most_pieces);
+  const auto pieces = std::min<std::int64_t>(parallel::thread_count(), max_pieces);
   PieceNumbers counts(static_cast<std::size_t>(pieces), std::vector<std::int32_t>(node_count, 0));
   for_corners(cells, counts, [](std::int32_t& number, std::int32_t) { ++number; });
   return counts;

@@ -103,8 +103,8 @@ bool fits(const Materials& materials, LabelBits labels, const std::array<Vec3, 3
   return error_of_center(materials, labels, corners, limit) <= limit;
 }
 
-bool makes_misfit(const Complex& c, const Materials& materials, std::int32_t node, const Vec3& position,
-                  std::int32_t merged, double limit) {
+bool makes_face_deviate(const Complex& c, const Materials& materials, std::int32_t node, const Vec3& position,
+                        std::int32_t merged, double limit) {
   if (std::isinf(limit)) return false;
   const auto faces = surface_faces_at(c, node);
   return std::any_of(faces.begin(), faces.end(), [&](const SurfaceFace& face) {
@@ -123,8 +123,8 @@ Face sorted(Face face) {
   return face;
 }
 
-std::vector<Face> misfits(const Complex& c, const Materials& materials, double aim, LabelBits labels,
-                          const std::vector<SurfaceFace>& faces) {
+std::vector<Face> deviating_faces(const Complex& c, const Materials& materials, double aim, LabelBits labels,
+                                  const std::vector<SurfaceFace>& faces) {
   std::vector<double> error(faces.size()), off(c.nodes_mm.size(), 0);
   std::vector<std::uint8_t> is_asked(off.size(), 0);
   for (const auto& face : faces)
@@ -166,8 +166,8 @@ Fitness fitness_of(const Complex& part, const Materials& materials, double aim, 
       found.error = error;
     }
     const double beyond = std::max(0.0, error - aim);
-    found.misery += beyond * beyond;
-    found.misfits += beyond > 0;
+    found.penalty += beyond * beyond;
+    found.deviating_faces += beyond > 0;
   }
   return found;
 }

@@ -87,7 +87,7 @@ void continue_sloped(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3
 
 }  // namespace
 
-void continue_above(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis) {
+void extrapolate_above_base(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis) {
   constexpr int passes = 2;  // distances next to the plane are those of what was made up above it
   continue_straight(parts, plane, axis);
   for (int pass = 0; pass < passes; ++pass) continue_sloped(parts, plane, axis);

@@ -9,6 +9,6 @@ namespace heartgen::ventricles {
 /// Continues the parts above a plane along the axis, with the slope against it that their surfaces have in the 5 mm
 /// below the plane, so that walls go through it without a bend: an outflow tract leans by 45 degrees. Over 10 mm walls
 /// straighten.
-void continue_above(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis);
+void extrapolate_above_base(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis);
 
 }  // namespace heartgen::ventricles

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double cell_mm = 1.2;
 constexpr double reach_mm = 8;              // of a fit: a few ridges wide
-constexpr std::size_t least_near = 12;      // samples that a fit needs
+constexpr std::size_t min_near = 12;        // samples that a fit needs
 constexpr std::size_t samples_per_fit = 3;  // fits change slowly from sample to sample
 constexpr double ridge_noises = 1.5;        // above its floor, in standard deviations of the samples, a ridge begins
 
@@ -81,7 +81,7 @@ struct Observation {
 Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, const Vec3& at, double ridge_mm,
               std::vector<Observation>& observations) {
   constexpr int rounds = 8;
-  constexpr double slope_damping = 0.02, first_quantile = 0.3, least_weight = 1e-6;
+  constexpr double slope_damping = 0.02, first_quantile = 0.3, min_weight = 1e-6;
   using Row = Eigen::Matrix<double, 4, 1>;
   std::vector<double> sorted;
   observations.clear();
@@ -97,7 +97,7 @@ Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, con
     Row right = Row::Zero();
     for (const Observation& o : observations) {
       const double above = (o.thickness_mm - fit.dot(o.row)) / ridge_mm;
-      const double weight = o.nearness * (above > 0 ? math::exp(-0.5 * above * above) + least_weight : 1);
+      const double weight = o.nearness * (above > 0 ? math::exp(-0.5 * above * above) + min_weight : 1);
       normal.noalias() += weight * o.row * o.row.transpose();
       right += weight * o.thickness_mm * o.row;
     }
@@ -121,7 +121,7 @@ Fits floor_fits(const std::vector<ThicknessSample>& samples, const adapters::Poi
       const Vec3& p = samples[n].point_mm;
       const std::array<double, 3> at{p.x, p.y, p.z};
       tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
-      if (near.size() >= least_near) fits[n] = floor_fit(samples, near, p, ridge_mm, observations);
+      if (near.size() >= min_near) fits[n] = floor_fit(samples, near, p, ridge_mm, observations);
     }
   });
   return fits;

@@ -23,9 +23,9 @@ namespace {
 
 constexpr int continued_layers = 5;
 constexpr double ridge_voxels = 0.085;  // of the labels: a first guess of how far above its floor a wall has ridges
-constexpr double no_ridge_mm = std::numeric_limits<double>::infinity();        // where labels show none
-constexpr double least_normal_smoothing_mm = 2, normal_smoothing_share = 0.4;  // of the wall's thickness
-constexpr double least_distance_mm = 0.02;
+constexpr double no_ridge_mm = std::numeric_limits<double>::infinity();      // where labels show none
+constexpr double min_normal_smoothing_mm = 2, normal_smoothing_share = 0.4;  // of the wall's thickness
+constexpr double min_distance_mm = 0.02;
 constexpr double around_wall_mm = 14;  // as far as a wall's ends change it, and as its coordinates are continued
 constexpr double thick_wall_mm = 6;    // thinner ones have too few voxels across for a quadratic continuation
 
@@ -98,15 +98,15 @@ Surfaces surfaces_of(const Ventricles& ventricles, Part wall, const WallEnds& en
   const PartShares& shares = ventricles.shares;
   const bool left = wall == Part::lv_wall;
   const double step = step_voxels(ventricles);
-  return {even_surface(image::signed_distance(cavity, left ? shares.lv_cavity : shares.rv_cavity), clear, step,
-                       ventricles.label_steps_mm),
-          even_surface(image::signed_distance(hull, left ? shares.left : shares.both), clear, step,
-                       ventricles.label_steps_mm)};
+  return {regularized_surface(image::signed_distance(cavity, left ? shares.lv_cavity : shares.rv_cavity), clear, step,
+                              ventricles.label_steps_mm),
+          regularized_surface(image::signed_distance(hull, left ? shares.left : shares.both), clear, step,
+                              ventricles.label_steps_mm)};
 }
 
 CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces& surfaces, const WallEnds& ends) {
   // As coarse as the labels are, but no wider than the floors between ridges are: more would fill them.
-  constexpr double most_smoothing_mm = 1.1;
+  constexpr double max_smoothing_mm = 1.1;
   const auto& parts = ventricles.parts;
   const Mask muscle = labelled_wall(ventricles, wall);
   Mask cavity = image::mask_where(parts, [&](auto v) { return is(v, cavity_of(wall)); });
@@ -114,7 +114,7 @@ CompactWall compact_wall(const Ventricles& ventricles, Part wall, const Surfaces
     if (muscle.voxels[v]) cavity.voxels[v] = 0;
   const auto& share = wall == Part::lv_wall ? ventricles.shares.lv_cavity : ventricles.shares.rv_cavity;
   const double label_mm = step_voxels(ventricles) * parts.grid.spacing_mm.x;
-  const double smoothing_voxels = std::min(label_mm, most_smoothing_mm) / parts.grid.spacing_mm.x;
+  const double smoothing_voxels = std::min(label_mm, max_smoothing_mm) / parts.grid.spacing_mm.x;
   const auto fine = image::smoothed_level_set(image::signed_distance(cavity, share), smoothing_voxels);
   const double ridge_mm = ventricles.trabeculae.voxels.empty() ? no_ridge_mm : ridge_voxels * label_mm;
   return CompactWall(endocardial_thickness(fine, surfaces.epicardium, clear_of_ends(muscle, ends)), ridge_mm);
@@ -182,7 +182,7 @@ Between between(const Surfaces& surfaces, const Index3& at) {
 /// The gradient of the depth lies between those of the two distances, nearer to that of the nearer surface.
 void set_voxel(WallCoordinates& c, std::int64_t v, const Between& b) {
   const auto at = static_cast<std::size_t>(v);
-  const double inner = std::max(b.inner_mm, least_distance_mm), outer = std::max(b.outer_mm, least_distance_mm);
+  const double inner = std::max(b.inner_mm, min_distance_mm), outer = std::max(b.outer_mm, min_distance_mm);
   const double depth = inner / (inner + outer);
   c.known.voxels[at] = 1;
   c.depth.voxels[at] = static_cast<float>(depth);
@@ -256,7 +256,7 @@ void set_bend(WallCoordinates& c, double sigma_voxels) {
 
 /// Mean normals of the wall around each of its voxels: label maps have steps, walls have not. Thick walls bend less.
 void smooth_normals(WallCoordinates& c, double thickness_mm) {
-  const double smoothing_mm = std::max(least_normal_smoothing_mm, normal_smoothing_share * thickness_mm);
+  const double smoothing_mm = std::max(min_normal_smoothing_mm, normal_smoothing_share * thickness_mm);
   const double sigma_voxels = smoothing_mm / c.known.grid.spacing_mm.x;
   for (int axis = 0; axis < 3; ++axis) {
     Volume<float> component(c.known.grid);

@@ -43,7 +43,7 @@ std::uint8_t nearest_label(const LabelVolume& labels, const Vec3& p) {
   return labels.grid.contains(i, j, k) ? labels(i, j, k) : std::uint8_t{0};
 }
 
-constexpr std::size_t least_contacts = 20;
+constexpr std::size_t min_contacts = 20;
 constexpr double outflow_height_mm = 8;
 constexpr double clear_of_cut_mm = 1.5;  // what lies nearer to the cut's plane is the cut
 
@@ -95,7 +95,7 @@ std::vector<std::vector<std::size_t>> groups_of(const Grid& grid, const std::vec
         for (int b = -1; b <= 1; ++b)
           for (int a = -1; a <= 1; ++a) take(at[0] + a, at[1] + b, at[2] + c);
     }
-    if (group.size() >= least_contacts) groups.push_back(std::move(group));
+    if (group.size() >= min_contacts) groups.push_back(std::move(group));
   }
   return groups;
 }
@@ -130,7 +130,7 @@ bool is_whole(const Opening& opening, const Plane& cut) {
 
 /// An inlet lies in a plate that is the lid of a wider cavity, an outlet at the end of a tube.
 bool lies_in_plate(const Volume<std::uint8_t>& parts, Part cavity, const Opening& opening) {
-  constexpr double near_mm = 2, far_mm = 5, high_mm = -5, low_mm = -8, least_share = 0.4;
+  constexpr double near_mm = 2, far_mm = 5, high_mm = -5, low_mm = -8, min_share = 0.4;
   double ring = 0, blood = 0;
   for (std::int64_t v = 0; v < parts.grid.voxel_count(); ++v) {
     const Vec3 d = image::voxel_center(parts.grid, v) - opening.center_mm;
@@ -141,7 +141,7 @@ bool lies_in_plate(const Volume<std::uint8_t>& parts, Part cavity, const Opening
     ++ring;
     blood += is(parts.voxels[static_cast<std::size_t>(v)], cavity);
   }
-  return blood > least_share * ring;
+  return blood > min_share * ring;
 }
 
 struct Orifice {
@@ -186,7 +186,7 @@ std::optional<Opening> contact_disc(const LabelVolume& labels, Region ventricle,
         points.push_back(image::voxel_center(g, g.offset(i, j, k)));
         sum += points.back();
       }
-  if (points.size() < least_contacts || norm(across) < 1e-6) return std::nullopt;
+  if (points.size() < min_contacts || norm(across) < 1e-6) return std::nullopt;
   Opening opening{sum / static_cast<double>(points.size()), normalized(across)};
   for (const Vec3& p : points) opening.radius_mm = std::max(opening.radius_mm, norm(p - opening.center_mm));
   return opening;

@@ -12,7 +12,7 @@ namespace {
 constexpr double reach_mm = 18, width_mm = 10;
 constexpr double scale_mm = 10;  // of the fit's coordinates, so that damping has a meaning
 constexpr double slope_damping = 1e-6, curvature_damping = 0.02;
-constexpr std::size_t least_samples = 20;
+constexpr std::size_t min_samples = 20;
 
 }  // namespace
 
@@ -30,11 +30,11 @@ QuadraticContinuation::~QuadraticContinuation() = default;
 
 std::optional<QuadraticFit> QuadraticContinuation::operator()(const Vec3& point_mm) const {
   using Row = Eigen::Matrix<double, 10, 1>;
-  if (index_->cloud.points.size() < least_samples) return std::nullopt;
+  if (index_->cloud.points.size() < min_samples) return std::nullopt;
   std::vector<std::pair<std::size_t, double>> near;
   const std::array<double, 3> at{point_mm.x, point_mm.y, point_mm.z};
   index_->tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
-  if (near.size() < least_samples) return std::nullopt;
+  if (near.size() < min_samples) return std::nullopt;
   const double nearest = std::ranges::min_element(near, {}, [](const auto& n) { return n.second; })->second;
   Eigen::Matrix<double, 10, 10> normal = Eigen::Matrix<double, 10, 10>::Zero();
   Eigen::Matrix<double, 10, 2> right = Eigen::Matrix<double, 10, 2>::Zero();

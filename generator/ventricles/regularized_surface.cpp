@@ -20,7 +20,7 @@ constexpr double coarsest_mm = 6;     // of the scales: beyond, the wall's own c
 constexpr double scale_ratio = std::numbers::sqrt2;
 // Details of a rough surface grow from scale to scale at most as the scale does (self-affine, Hurst exponent 1), and
 // ever less; what grows faster is shape.
-constexpr double most_growth = scale_ratio;
+constexpr double max_growth = scale_ratio;
 constexpr double significant = 3;            // squared details below so many times the noise's are chance
 constexpr double certain = 1.5;              // the same for terraces, whose size is known
 constexpr double normal_median = 0.6744898;  // of the size of a standard normal variable
@@ -116,7 +116,7 @@ Blocks blocks_of(const Grid& grid, double window_voxels) {
 /// Which share of the details around is more than noise and terraces, per block; 0 far from the surface.
 Volume<float> gains(const Volume<float>& detail_mm, const std::vector<std::size_t>& on_surface,
                     const std::vector<float>& terrace_mm2, double noise, const Blocks& blocks, double window_voxels) {
-  constexpr float least_weight = 1e-6F;
+  constexpr float min_weight = 1e-6F;
   const Grid& g = detail_mm.grid;
   Volume<float> squares(blocks.grid), terraces(blocks.grid), weight(blocks.grid);
   for (std::size_t s = 0; s < on_surface.size(); ++s) {
@@ -134,7 +134,7 @@ Volume<float> gains(const Volume<float>& detail_mm, const std::vector<std::size_
   weight = image::smoothed(weight, window_blocks);
   const auto noise_chance = static_cast<float>(significant * noise * noise);
   for (std::size_t v = 0; v < weight.voxels.size(); ++v) {
-    if (weight.voxels[v] <= least_weight) {
+    if (weight.voxels[v] <= min_weight) {
       squares.voxels[v] = 0;
       continue;
     }
@@ -192,17 +192,17 @@ void take_away(const Volume<float>& detail, const Volume<float>& gain, const Blo
 
 }  // namespace
 
-LevelSet even_surface(const Mask& inside, const Mask& own, double step_voxels) {
-  return even_surface(image::signed_distance(inside, 0), own, step_voxels);
+LevelSet regularized_surface(const Mask& inside, const Mask& own, double step_voxels) {
+  return regularized_surface(image::signed_distance(inside, 0), own, step_voxels);
 }
 
-LevelSet even_surface(const LevelSet& surface, const Mask& own, double step_voxels, const LabelSteps& steps_mm) {
+LevelSet regularized_surface(const LevelSet& surface, const Mask& own, double step_voxels, const LabelSteps& steps_mm) {
   const double spacing_mm = surface.grid.spacing_mm.x;
   double sigma_voxels = std::min(finest_steps * step_voxels, coarsest_mm / spacing_mm);
   LevelSet once = image::smoothed(surface, sigma_voxels), twice = image::smoothed(once, sigma_voxels);
   LevelSet detail = unbiased(std::move(once), twice), result = detail;
   OnSurface on;
-  double last_noise = std::numeric_limits<double>::infinity(), growth = most_growth;
+  double last_noise = std::numeric_limits<double>::infinity(), growth = max_growth;
   while (sigma_voxels * scale_ratio * spacing_mm <= coarsest_mm) {
     // Twice with one width is once with the next one.
     sigma_voxels *= scale_ratio;

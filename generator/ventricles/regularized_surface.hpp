@@ -17,12 +17,13 @@ namespace heartgen::ventricles {
 /// Distance in mm to the surface of `inside`, negative inside. `own`: 1 where the surface nearby is even but for the
 /// labels, clear of grooves and ends; there their unevenness is measured. `step_voxels`: how coarse the labels are that
 /// `inside` comes from. On a grid with isotropic spacing.
-LevelSet even_surface(const Mask& inside, const Mask& own, double step_voxels);
+LevelSet regularized_surface(const Mask& inside, const Mask& own, double step_voxels);
 
 /// From a voxel of a label map to its next along each axis, mm; zero where terraces are not looked for.
 using LabelSteps = std::array<Vec3, 3>;
 
 /// The same of a surface whose distance is known, as `step_voxels` coarse labels have it.
-LevelSet even_surface(const LevelSet& surface, const Mask& own, double step_voxels, const LabelSteps& steps_mm = {});
+LevelSet regularized_surface(const LevelSet& surface, const Mask& own, double step_voxels,
+                             const LabelSteps& steps_mm = {});
 
 }  // namespace heartgen::ventricles

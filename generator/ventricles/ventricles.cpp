@@ -49,7 +49,7 @@ Vec3 mean_of(const std::vector<Vec3>& points) {
 /// Direction of the straight line through the centroids of slices across `axis` that are clear of the base.
 Vec3 centroid_line(const std::vector<Vec3>& lv, const Vec3& base_point, const Vec3& base_normal, const Vec3& axis,
                    double voxel_volume_mm3) {
-  constexpr double slice_mm = 3, clear_mm = 1, used_share = 0.8, least_area_mm2 = 115;
+  constexpr double slice_mm = 3, clear_mm = 1, used_share = 0.8, min_area_mm2 = 115;
   std::vector<double> at_base;
   double deepest = 0;
   for (const Vec3& p : lv) {
@@ -69,7 +69,7 @@ Vec3 centroid_line(const std::vector<Vec3>& lv, const Vec3& base_point, const Ve
   }
   std::vector<Vec3> centroids;
   for (std::size_t s = 0; s < slices; ++s)
-    if (count[s] * voxel_volume_mm3 > least_area_mm2 * slice_mm) centroids.push_back(sum[s] / count[s]);
+    if (count[s] * voxel_volume_mm3 > min_area_mm2 * slice_mm) centroids.push_back(sum[s] / count[s]);
   if (centroids.size() < 3) return axis;
   const Vec3 middle = mean_of(centroids);
   AxisTensor spread;
@@ -220,10 +220,10 @@ Plane plane_through(const std::vector<Vec3>& points) {
 /// The plane in which ventricles without atria are cut: there, and only there, their blood meets what is no part of the
 /// heart. Empty where that is no plane across the axis.
 std::optional<Plane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3& axis) {
-  constexpr std::size_t least_voxels = 100;
+  constexpr std::size_t min_voxels = 100;
   constexpr int rounds = 8;
   constexpr double used_share = 0.6;  // the rest may lie in a valve's orifice below the cut
-  constexpr double flat_mm = 1.5, least_cosine = 0.8;
+  constexpr double flat_mm = 1.5, min_cosine = 0.8;
   const Grid& g = parts.grid;
   const auto outside = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     return g.contains(i, j, k) && is(parts(i, j, k), Part::outside);
@@ -236,7 +236,7 @@ std::optional<Plane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3& ax
         if (std::any_of(faces.begin(), faces.end(), [&](auto s) { return outside(i + s[0], j + s[1], k + s[2]); }))
           points.push_back(image::voxel_center(g, g.offset(i, j, k)));
       }
-  if (points.size() < least_voxels) return std::nullopt;
+  if (points.size() < min_voxels) return std::nullopt;
   const auto height = [](const Plane& plane, const Vec3& p) { return dot(p - plane.point_mm, plane.normal); };
   Plane plane = plane_through(points);
   for (int round = 0; round < rounds; ++round) {
@@ -250,7 +250,7 @@ std::optional<Plane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3& ax
   const auto flat =
       std::count_if(points.begin(), points.end(), [&](const Vec3& p) { return std::abs(height(plane, p)) < flat_mm; });
   if (static_cast<double>(flat) < used_share * static_cast<double>(points.size()) ||
-      std::abs(dot(plane.normal, axis)) < least_cosine)
+      std::abs(dot(plane.normal, axis)) < min_cosine)
     return std::nullopt;
   if (dot(plane.normal, axis) < 0) plane.normal = -plane.normal;
   return plane;
@@ -342,7 +342,7 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
   if (!atria) {
     result.cut = cut_plane(result.parts, normal).value_or(Plane{result.frame.base_point_mm, result.frame.base_normal});
     result.beyond = open_orifices(result.parts, *result.cut);
-    continue_above(result.parts, *result.cut, result.frame.long_axis);
+    extrapolate_above_base(result.parts, *result.cut, result.frame.long_axis);
   }
   if (std::max({voxel.x, voxel.y, voxel.z}) > trabeculae_resolved_mm) return result;
   result.trabeculae = image::mask_where(result.parts, is_wall);

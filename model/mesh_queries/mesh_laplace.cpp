@@ -176,7 +176,7 @@ Stiffness make_stiffness(const TetMesh& mesh, const std::vector<std::int32_t>& c
 // p is u + (I + lower)^-1 (p - u), one pass through the matrix for both the product and the preconditioner (Eisenstat,
 // SIAM J. Sci. Stat. Comput. 2, 1981).
 std::vector<double> solve_laplace(const Stiffness& matrix, const FixedValues& fixed) {
-  constexpr int most_iterations = 2000;
+  constexpr int max_iterations = 2000;
   constexpr double tolerance = 1e-6;
   const FreeRows rows = free_rows(matrix, fixed);
   const std::size_t count = rows.row.size();
@@ -189,7 +189,7 @@ std::vector<double> solve_laplace(const Stiffness& matrix, const FixedValues& fi
   solve_lower(rows, residual);
   const double first = product(residual, residual);
   double rho = first, before = 0;
-  for (int iteration = 0; iteration < most_iterations && rho > tolerance * tolerance * first; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations && rho > tolerance * tolerance * first; ++iteration) {
     const double keep = iteration == 0 ? 0 : rho / before;
     for (std::size_t n = 0; n < count; ++n) direction[n] = residual[n] + keep * direction[n];
     step_up = direction;

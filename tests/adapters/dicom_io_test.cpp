@@ -65,7 +65,7 @@ std::string dicom(const Slice& slice) {
          element(0x7fe0, 0x10, "OW", pixels);
 }
 
-std::vector<Slice> usual_series() {
+std::vector<Slice> typical_series() {
   std::vector<Slice> slices;
   for (int k = 0; k < 8; ++k) slices.push_back({.instance = k + 1, .z_mm = 100 + slice_mm * k});
   return slices;
@@ -85,7 +85,7 @@ std::string refusal(const std::string& name, const std::vector<Slice>& slices) {
 }
 
 TEST(Dicom, ASeriesIsStackedByPlaceWithItsRescale) {
-  const CtVolume ct = adapters::read_ct(written("usual", usual_series()));
+  const CtVolume ct = adapters::read_ct(written("usual", typical_series()));
   EXPECT_EQ(ct.grid.size, (Index3{columns, rows, 8}));
   EXPECT_EQ(ct.grid.origin_mm, (Vec3{-30, -40, 100}));
   EXPECT_EQ(ct.grid.spacing_mm, (Vec3{pixel_mm, pixel_mm, slice_mm}));
@@ -94,25 +94,25 @@ TEST(Dicom, ASeriesIsStackedByPlaceWithItsRescale) {
 }
 
 TEST(Dicom, AMissingSliceIsNamed) {
-  auto slices = usual_series();
+  auto slices = typical_series();
   slices.erase(slices.begin() + 3);
   EXPECT_NE(refusal("missing", slices).find("5.00 mm between slices 3 and 4"), std::string::npos);
 }
 
 TEST(Dicom, TwoPhasesInOneSeriesAreRefused) {
-  auto slices = usual_series();
-  for (const auto& slice : usual_series()) slices.push_back({.instance = slice.instance + 100, .z_mm = slice.z_mm});
+  auto slices = typical_series();
+  for (const auto& slice : typical_series()) slices.push_back({.instance = slice.instance + 100, .z_mm = slice.z_mm});
   EXPECT_NE(refusal("phases", slices).find("8 of its 16 slices lie where another"), std::string::npos);
 }
 
 TEST(Dicom, ATiltedGantryIsRefused) {
-  auto slices = usual_series();
+  auto slices = typical_series();
   for (auto& slice : slices) slice.y_mm += 0.3 * (slice.z_mm - 100);
   EXPECT_NE(refusal("tilted", slices).find("tilted gantry"), std::string::npos);
 }
 
 TEST(Dicom, ATruncatedSliceIsNamedWhereverItEnds) {
-  const fs::path folder = written("truncated", usual_series());
+  const fs::path folder = written("truncated", typical_series());
   const auto whole = fs::file_size(folder / "image 95");
   for (const auto bytes : {whole - 10, whole - 30, std::uintmax_t{300}, std::uintmax_t{133}}) {
     fs::resize_file(folder / "image 95", bytes);
@@ -121,7 +121,7 @@ TEST(Dicom, ATruncatedSliceIsNamedWhereverItEnds) {
 }
 
 TEST(Dicom, NoFileOfTheFolderIsDropped) {
-  const std::string slice = dicom(usual_series().front());
+  const std::string slice = dicom(typical_series().front());
   std::string without_mark = slice, long_element = slice;
   without_mark[128] = 'X';
   const auto thickness = long_element.find(std::string("\x18\0\x50\0DS", 6));
@@ -133,20 +133,20 @@ TEST(Dicom, NoFileOfTheFolderIsDropped) {
                                                                          {"no mark", without_mark},
                                                                          {"cut", slice.substr(0, slice.size() / 2)},
                                                                          {"long element", long_element}}) {
-    const fs::path folder = written("dropped", usual_series());
+    const fs::path folder = written("dropped", typical_series());
     testing::write_bytes(folder / name, contents);
     const auto message = testing::error_of([&] { adapters::read_ct(folder.string()); });
     EXPECT_NE(message.find((folder / name).string()), std::string::npos) << name << ": " << message;
     fs::remove(folder / name);
     EXPECT_EQ(adapters::read_ct(folder.string()).grid.size[2], 8) << name;
   }
-  const fs::path folder = written("lost link", usual_series());
+  const fs::path folder = written("lost link", typical_series());
   fs::create_symlink("nowhere", folder / "slice");
   EXPECT_NE(testing::error_of([&] { adapters::read_ct(folder.string()); }).find("slice"), std::string::npos);
 }
 
 TEST(Dicom, NotesAndHiddenFilesAreNoSlices) {
-  const fs::path folder = written("notes", usual_series());
+  const fs::path folder = written("notes", typical_series());
   testing::write_bytes(folder / "README", "eight slices of a phantom\n");
   testing::write_bytes(folder / ".DS_Store", std::string(600, '\0'));
   testing::write_bytes(folder / "DICOMDIR", std::string(600, '\0'));
@@ -156,8 +156,8 @@ TEST(Dicom, NotesAndHiddenFilesAreNoSlices) {
 
 /// GDCM reads such an element as if its 4 GB were there, and takes them.
 TEST(Dicom, ALengthBeyondTheFileIsRefusedBeforeMemoryIsTaken) {
-  const fs::path folder = written("4gb", usual_series());
-  std::string slice = dicom(usual_series()[3]);
+  const fs::path folder = written("4gb", typical_series());
+  std::string slice = dicom(typical_series()[3]);
   const auto pixels = slice.find(std::string("\xe0\x7f\x10\0OW", 6));
   ASSERT_NE(pixels, std::string::npos);
   slice.replace(pixels + 8, 4, "\x00\x11\xff\xff", 4);
@@ -168,7 +168,7 @@ TEST(Dicom, ALengthBeyondTheFileIsRefusedBeforeMemoryIsTaken) {
 }
 
 TEST(Dicom, SequencesOfUndefinedLengthAreFollowed) {
-  const fs::path folder = written("sequences", usual_series());
+  const fs::path folder = written("sequences", typical_series());
   const std::string undefined_length(4, '\xff');
   const auto head = [&](std::string tag, const std::string& kind) { return tag + kind + undefined_length; };
   const std::string item = head(std::string("\xfe\xff\x00\xe0", 4), ""), ends_item{"\xfe\xff\x0d\xe0\0\0\0\0", 8},
@@ -190,12 +190,12 @@ TEST(Dicom, SequencesOfUndefinedLengthAreFollowed) {
 }
 
 TEST(Dicom, SeveralSeriesASingleSliceAndOneFileAreRefused) {
-  auto slices = usual_series();
-  for (const auto& slice : usual_series())
+  auto slices = typical_series();
+  for (const auto& slice : typical_series())
     slices.push_back({.instance = slice.instance + 100, .z_mm = slice.z_mm, .series = "1.2.3.5"});
   EXPECT_NE(refusal("several", slices).find("2 DICOM series"), std::string::npos);
-  EXPECT_NE(refusal("single", {usual_series().front()}).find("single slice"), std::string::npos);
-  const fs::path file = fs::path(written("one_file", usual_series())) / "image 99";
+  EXPECT_NE(refusal("single", {typical_series().front()}).find("single slice"), std::string::npos);
+  const fs::path file = fs::path(written("one_file", typical_series())) / "image 99";
   EXPECT_NE(testing::error_of([&] { adapters::read_ct(file.string()); }).find("folder"), std::string::npos);
 }
 

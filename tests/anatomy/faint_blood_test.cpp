@@ -55,8 +55,8 @@ struct Found {
 
 Found find(const Scene& scene) {
   const auto walls = anatomy::measure_walls(scene.hu, scene.lv, scene.other_left, muscle_hu);
-  const auto usual = anatomy::usual_thickness(walls);
-  auto space = anatomy::usual_cavity(walls, scene.nowhere, usual);
+  const auto usual = anatomy::prior_thickness(walls);
+  auto space = anatomy::prior_cavity(walls, scene.nowhere, usual);
   Found found;
   found.lv_wall_mm = walls.lv_wall_mm;
   found.contrast = anatomy::measure_faint_contrast(scene.hu, walls, space, scene.compartment);
@@ -84,7 +84,7 @@ TEST(FaintBlood, MeasuresWallGreyValuesAndNoise) {
 }
 
 struct FaintCase {
-  double contrast_hu, least_dice;
+  double contrast_hu, min_dice;
 };
 /// A slab of blood, 20 mm thick and endless, between walls of uneven and unusual thickness: fat on both sides.
 struct Slab {
@@ -115,7 +115,7 @@ TEST(FaintBlood, TheMeanFreeWallIsMeasuredWhereNoSingleVoxelShowsIt) {
     const Slab slab = make_slab(wall_mm, muscle_hu - 8, 28);
     const auto walls = anatomy::measure_walls(slab.hu, slab.none, slab.none, muscle_hu);
     const auto thickness = anatomy::measure_thickness(slab.hu, walls, slab.none, slab.compartment,
-                                                      anatomy::usual_thickness(walls), {muscle_hu, muscle_hu - 8, 784});
+                                                      anatomy::prior_thickness(walls), {muscle_hu, muscle_hu - 8, 784});
     EXPECT_NEAR(thickness.free_mm, wall_mm, 0.5) << wall_mm;
     EXPECT_EQ(thickness.thin_mm, anatomy::WallThickness{}.thin_mm);
   }
@@ -124,7 +124,7 @@ TEST(FaintBlood, TheMeanFreeWallIsMeasuredWhereNoSingleVoxelShowsIt) {
 TEST(FaintBlood, WallsHaveTheirUsualThicknessWhereNothingSpeaks) {
   const Slab slab = make_slab(5, muscle_hu, 0);
   const auto walls = anatomy::measure_walls(slab.hu, slab.none, slab.none, muscle_hu);
-  const auto usual = anatomy::usual_thickness(walls);
+  const auto usual = anatomy::prior_thickness(walls);
   const auto thickness =
       anatomy::measure_thickness(slab.hu, walls, slab.none, slab.compartment, usual, {muscle_hu, muscle_hu, 784});
   EXPECT_NEAR(thickness.free_mm, usual.free_mm, 0.1);
@@ -150,7 +150,7 @@ TEST(FaintBlood, SmoothnessDoesNotEatWhatIsRoundAndThin) {
       }
   const auto walls = anatomy::measure_walls(hu, none, none, muscle_hu);
   const auto blood =
-      anatomy::faint_blood(hu, walls, anatomy::usual_cavity(walls, none), compartment, {muscle_hu, muscle_hu, 784});
+      anatomy::faint_blood(hu, walls, anatomy::prior_cavity(walls, none), compartment, {muscle_hu, muscle_hu, 784});
   for (v = 0; v < inside.size(); ++v) {
     truth += inside[v];
     found += blood.voxels[v] > 0;
@@ -161,7 +161,7 @@ TEST(FaintBlood, SmoothnessDoesNotEatWhatIsRoundAndThin) {
 class FaintContrasts : public ::testing::TestWithParam<FaintCase> {};
 
 TEST_P(FaintContrasts, ShowThePool) {
-  EXPECT_GT(find(make_scene(muscle_hu + GetParam().contrast_hu, 20)).dice, GetParam().least_dice);
+  EXPECT_GT(find(make_scene(muscle_hu + GetParam().contrast_hu, 20)).dice, GetParam().min_dice);
 }
 
 // Brighter, darker, and not at all: then the pool is what usual walls leave.
@@ -205,7 +205,7 @@ TEST(FaintBlood, ThinWallsKeepTheirThickness) {
     const Scene scene = make_scene(blood_hu, 20, anatomy::WallThickness{}.thin_mm);
     const auto walls = anatomy::measure_walls(scene.hu, scene.lv, scene.other_left, muscle_hu);
     const Mask thin(scene.hu.grid, 1);
-    const auto space = anatomy::usual_cavity(walls, thin);
+    const auto space = anatomy::prior_cavity(walls, thin);
     const auto contrast = anatomy::measure_faint_contrast(scene.hu, walls, space, scene.compartment);
     const auto blood = anatomy::faint_blood(scene.hu, walls, space, scene.compartment, contrast);
     EXPECT_NEAR(inset_mm(anatomy::settle_thin_walls(blood, space, thin), scene), 0, 0.15) << blood_hu << " HU";

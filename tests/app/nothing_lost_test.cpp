@@ -151,8 +151,8 @@ int stopped_by(int number, const fs::path& folder, const std::vector<std::string
     execv(words[0], words.data());
     _exit(99);
   }
-  constexpr int most_polls = 6000;
-  for (int poll = 0; poll < most_polls && !fs::exists(sign); ++poll)
+  constexpr int max_polls = 6000;
+  for (int poll = 0; poll < max_polls && !fs::exists(sign); ++poll)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_TRUE(fs::exists(sign));
   kill(child, number);

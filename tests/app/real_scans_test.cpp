@@ -12,7 +12,7 @@ namespace {
 
 struct Usual {
   Region region;
-  double least_ml, most_ml;
+  double min_ml, max_ml;
 };
 constexpr Usual usual[] = {
     {Region::lv_blood, 40, 250}, {Region::rv_blood, 40, 250},     {Region::la_blood, 30, 200},
@@ -38,9 +38,9 @@ TEST_P(RealScans, HaveAllChambersWithoutALandmark) {
   std::vector<Warning> warnings;
   recipe.landmarks = pipeline::complete_landmarks(run, ct, {}, warnings).landmarks;
   const auto labels = pipeline::label_ct(run, ct, recipe);
-  for (const auto& [region, least_ml, most_ml] : usual) {
-    EXPECT_GT(volume_ml(*labels, region), least_ml) << region_name(tag(region));
-    EXPECT_LT(volume_ml(*labels, region), most_ml) << region_name(tag(region));
+  for (const auto& [region, min_ml, max_ml] : usual) {
+    EXPECT_GT(volume_ml(*labels, region), min_ml) << region_name(tag(region));
+    EXPECT_LT(volume_ml(*labels, region), max_ml) << region_name(tag(region));
   }
 }
 

@@ -89,7 +89,8 @@ TEST(Exnode, TheAucklandHeartHasTheFibersOfItsTetrahedra) {
   const auto ours = read_fiber_atlas(elements), known = read_fiber_atlas(mesh);
   // Elements that lie a turn apart would leave gaps in the walls.
   const auto volume_of = [](const ventricles::AtlasImage& image) {
-    return std::count_if(image.ventricles.parts.voxels.begin(), image.ventricles.parts.voxels.end(), ventricles::is_wall);
+    return std::count_if(image.ventricles.parts.voxels.begin(), image.ventricles.parts.voxels.end(),
+                         ventricles::is_wall);
   };
   const auto wall = volume_of(atlas::image_of_atlas(ours, 2));
   EXPECT_NEAR(static_cast<double>(volume_of(atlas::image_of_atlas(known, 2))), static_cast<double>(wall),

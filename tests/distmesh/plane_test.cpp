@@ -64,8 +64,8 @@ struct Meshed {
   std::int64_t crossing = 0, below_goal = 0;
 };
 
-Meshed mesh_of(const Materials& m, double least_edge, TrussSettings settings = usual_settings(Dimension::two)) {
-  const auto truss = relax(m, Dimension::two, least_edge, settings);
+Meshed mesh_of(const Materials& m, double min_edge, TrussSettings settings = default_settings(Dimension::two)) {
+  const auto truss = relax(m, Dimension::two, min_edge, settings);
   Meshed result{triangles_of(truss), truss.crossing, 0};
   result.below_goal = improve_triangles(result.mesh, m, {});
   return result;
@@ -196,7 +196,7 @@ TEST(DistMeshPlane, EdgesFollowTheSizeField) {
 }
 
 TEST(DistMeshPlane, AGivenNodeStaysWhereItIs) {
-  auto settings = usual_settings(Dimension::two);
+  auto settings = default_settings(Dimension::two);
   settings.fixed_mm = {{1.234, 2.345, 0}, {10, 0, 0}};
   const auto made = mesh_of(nested({disc(0, 0, 10)}, 14, 0.9), 0.9, settings);
   expect_good(made);
@@ -237,12 +237,12 @@ TEST(DistMeshPlane, TheSameInputGivesTheSameBits) {
 TEST(DistMeshPlane, NothingToMeshIsRefused) {
   auto m = nested({disc(0, 0, 1)}, 5, 1);
   m.label_at = [](const Vec3&) { return 0; };
-  EXPECT_THROW(relax(m, Dimension::two, 1, usual_settings(Dimension::two)), UserError);
+  EXPECT_THROW(relax(m, Dimension::two, 1, default_settings(Dimension::two)), UserError);
 }
 
 TEST(ImproveTriangles, NeverLowersTheLeastAngleAndKeepsTheArea) {
   const auto m = nested({disc(0, 0, 10)}, 14, 1);
-  auto settings = usual_settings(Dimension::two);
+  auto settings = default_settings(Dimension::two);
   settings.iterations = 2;  // a poor mesh
   auto mesh = triangles_of(relax(m, Dimension::two, 1, settings));
   const double before = area_of(mesh, 1);

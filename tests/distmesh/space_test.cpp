@@ -16,7 +16,7 @@ struct Tetrahedra {
 
 Tetrahedra tetrahedra_of(const Materials& m, double edge_mm) {
   const auto dimension = distmesh::Dimension::three;
-  const auto truss = distmesh::relax(m, dimension, edge_mm, distmesh::usual_settings(dimension));
+  const auto truss = distmesh::relax(m, dimension, edge_mm, distmesh::default_settings(dimension));
   EXPECT_EQ(truss.crossing, 0);
   Tetrahedra made{distmesh::complex_of(truss, m), 0};
   tetmesh::derive_touches(made.complex);
@@ -32,7 +32,7 @@ Fields ball(double radius) {
 
 void expect_good(const Tetrahedra& made) {
   EXPECT_EQ(made.below_goal, 0);
-  EXPECT_GT(least_volume(made.complex), 0);
+  EXPECT_GT(min_volume(made.complex), 0);
   const auto [least, greatest] = dihedral_range(made.complex);
   EXPECT_GE(least, 25);
   EXPECT_LE(greatest, 145);
@@ -50,7 +50,7 @@ TEST(DistMeshSpace, BallHasItsVolumeAndAClosedSurface) {
 TEST(DistMeshSpace, TheWholeSurfaceOfABallTouchesTheOutside) {
   const auto m = materials_of(ball(9), 12, 1.5);
   const auto dimension = distmesh::Dimension::three;
-  auto complex = distmesh::complex_of(distmesh::relax(m, dimension, 1.5, distmesh::usual_settings(dimension)), m);
+  auto complex = distmesh::complex_of(distmesh::relax(m, dimension, 1.5, distmesh::default_settings(dimension)), m);
   tetmesh::derive_touches(complex);
   tetmesh::compress(complex);
   int outer_faces = 0;

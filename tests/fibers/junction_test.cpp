@@ -65,13 +65,13 @@ TEST(Junction, WallsMeetBetweenVoxelsWhereTheLabelsHaveIt) {
 }
 
 /// Two walls side by side, all of both known, that meet at `meet_mm` along x.
-fibers::Hearts walls_that_meet(double meet_mm) {
+fibers::RegisteredPair walls_that_meet(double meet_mm) {
   Grid grid;
   grid.size = {20, 4, 4};
   const Volume<float> half(grid, 0.5F);
   const ventricles::WallCoordinates known{Mask(grid, 1), half, Volume<float>(grid, 3.0F), Volume<Vec3>(grid, {0, 0, 1}),
                                           Volume<float>(grid)};
-  fibers::Hearts hearts;
+  fibers::RegisteredPair hearts;
   hearts.patient_walls = {known, known};
   hearts.patient.frame.long_axis = {0, 1, 0};
   hearts.left_of_junction_mm = Volume<float>(grid);
@@ -98,7 +98,7 @@ TEST(Junction, AnAtlasThatBendsIntoTheJunctionTurnsNoFibersOfAPatientWhoseWallDo
   const auto mesh = phantom::make_standin_atlas();
   FiberSettings settings;
   settings.depth_grid_mm = settings.grid_mm = spacing_mm;
-  const auto hearts = fibers::prepare_hearts(
+  const auto hearts = fibers::register_pair(
       labels, marks,
       atlas::image_of_atlas(atlas::make_fiber_atlas("stand-in", mesh.nodes_mm, mesh.cells, mesh.node_fibers.fiber),
                             spacing_mm),

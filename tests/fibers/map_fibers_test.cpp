@@ -57,7 +57,7 @@ const Patient& patient() {
 }
 
 const FiberResult& plain_result() {
-  static const FiberResult value = carry_fibers(patient().mesh, patient().labels, {}, plain_atlas(), quick_settings());
+  static const FiberResult value = map_fibers(patient().mesh, patient().labels, {}, plain_atlas(), quick_settings());
   return value;
 }
 
@@ -126,7 +126,7 @@ TEST(CarryFibers, NeitherSignsOfTheAtlasNorTheNumberOfThreadsChangeABit) {
   for (std::size_t n = 0; n < flipped.fiber.size(); n += 3) flipped.fiber[n] = -flipped.fiber[n];
   const int before = parallel::thread_count();
   parallel::set_thread_count(before == 1 ? 3 : 1);
-  const auto result = carry_fibers(patient().mesh, patient().labels, {}, flipped, quick_settings());
+  const auto result = map_fibers(patient().mesh, patient().labels, {}, flipped, quick_settings());
   parallel::set_thread_count(before);
   EXPECT_EQ(result.min_jacobian, plain_result().min_jacobian);
   EXPECT_EQ(result.node.fiber, plain_result().node.fiber);
@@ -138,7 +138,7 @@ TEST(CarryFibers, PoseSizeAndUnitOfTheAtlasDoNotMatter) {
   for (auto& row : matrix.rows) row *= 0.8e-3;  // four fifths of the size, in metres
   const auto turned = moved_atlas(matrix, {0.01, 0.2, -0.035});
   EXPECT_EQ(turned.unit_in_mm, 1000);
-  const auto result = carry_fibers(patient().mesh, patient().labels, {}, turned, quick_settings());
+  const auto result = map_fibers(patient().mesh, patient().labels, {}, turned, quick_settings());
   // The same image but for voxels whose centres rounding puts on the other side of a surface.
   EXPECT_LT(mean_difference_deg(result.node.fiber, plain_result().node.fiber), 0.3);
   for (const Region wall : {Region::lv_myocardium, Region::rv_myocardium})
@@ -148,7 +148,7 @@ TEST(CarryFibers, PoseSizeAndUnitOfTheAtlasDoNotMatter) {
 TEST(CarryFibers, PushedVectorsAreInpaintedWhereTheAtlasDoesNotReach) {
   auto settings = quick_settings();
   settings.method = "jacobian";
-  const auto result = carry_fibers(patient().mesh, patient().labels, {}, plain_atlas(), settings);
+  const auto result = map_fibers(patient().mesh, patient().labels, {}, plain_atlas(), settings);
   EXPECT_LT(mean_error_deg(result, Region::lv_myocardium), 12);
   const auto inpainted =
       std::count(result.source.begin(), result.source.end(), static_cast<std::uint8_t>(FiberSource::inpainted));
@@ -158,8 +158,8 @@ TEST(CarryFibers, PushedVectorsAreInpaintedWhereTheAtlasDoesNotReach) {
 }
 
 TEST(CarryFibers, AMirroredAtlasIsRefused) {
-  EXPECT_THROW(carry_fibers(patient().mesh, patient().labels, {},
-                            moved_atlas({{Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}}, {}), quick_settings()),
+  EXPECT_THROW(map_fibers(patient().mesh, patient().labels, {},
+                          moved_atlas({{Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}}, {}), quick_settings()),
                UserError);
 }
 
@@ -167,10 +167,10 @@ TEST(CarryFibers, MissingVentricleAndUnknownMethodAreUserErrors) {
   auto labels = patient().labels;
   for (auto& v : labels.voxels)
     if (v == tag(Region::rv_blood)) v = 0;
-  EXPECT_THROW(carry_fibers(patient().mesh, labels, {}, plain_atlas(), quick_settings()), UserError);
+  EXPECT_THROW(map_fibers(patient().mesh, labels, {}, plain_atlas(), quick_settings()), UserError);
   auto settings = quick_settings();
   settings.method = "jacobi";
-  EXPECT_THROW(carry_fibers(patient().mesh, patient().labels, {}, plain_atlas(), settings), UserError);
+  EXPECT_THROW(map_fibers(patient().mesh, patient().labels, {}, plain_atlas(), settings), UserError);
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 using namespace heartgen;
 
 constexpr unsigned slowest_s = 60;  // for one file; three times what a library may take for a small one
-constexpr std::size_t most_files = 40'000;
-constexpr rlim_t most_bytes = rlim_t{8} << 30;
+constexpr std::size_t max_files = 40'000;
+constexpr rlim_t max_bytes = rlim_t{8} << 30;
 
 struct Seed {
   std::string kind, bytes;
@@ -99,7 +99,7 @@ int replay(const fs::path& folder, double seconds, std::uint64_t random_seed) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   Random random(random_seed);
   std::size_t count = seeds.size();
-  for (; count < most_files && std::chrono::steady_clock::now() < end; ++count) {
+  for (; count < max_files && std::chrono::steady_clock::now() < end; ++count) {
     Seed seed = seeds[count % seeds.size()];
     const auto& other = seeds[below(random, seeds.size())];
     for (auto changes = 1 + below(random, 4); changes > 0; --changes) change(seed.bytes, other.bytes, random);
@@ -115,7 +115,7 @@ int replay(const fs::path& folder, double seconds, std::uint64_t random_seed) {
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
 #ifndef __SANITIZE_ADDRESS__
-  const rlimit limit{most_bytes, most_bytes};
+  const rlimit limit{max_bytes, max_bytes};
   setrlimit(RLIMIT_AS, &limit);
 #endif
   return replay(argv[1], std::atof(argv[2]), argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);

@@ -7,9 +7,9 @@ namespace {
 
 TEST(TypicalGrey, IsTheMedianOfTheFullestWindow) {
   std::vector<float> values{7, 300, 104, 100, 101, 40, 150, 102, 103};
-  EXPECT_EQ(image::typical_grey(values, 10), 102);
-  EXPECT_EQ(image::typical_grey(values, 3), 102);  // 100 to 103 and 101 to 104 hold four: the lower window counts
-  EXPECT_EQ(image::typical_grey(values, 1000), 102);
+  EXPECT_EQ(image::modal_intensity(values, 10), 102);
+  EXPECT_EQ(image::modal_intensity(values, 3), 102);  // 100 to 103 and 101 to 104 hold four: the lower window counts
+  EXPECT_EQ(image::modal_intensity(values, 1000), 102);
 }
 
 /// Their plain median is 89.
@@ -19,12 +19,12 @@ TEST(TypicalGrey, MixturesWithFatHardlyShiftIt) {
     values.push_back(110 + static_cast<float>(n % 41 - 20));         // muscle and noise
     if (n < 900) values.push_back(static_cast<float>(n % 100) - 1);  // every share of fat alike
   }
-  EXPECT_NEAR(image::typical_grey(values, image::muscle_window_hu), 110, 5);
+  EXPECT_NEAR(image::modal_intensity(values, image::muscle_window_hu), 110, 5);
 }
 
 TEST(TypicalGrey, OfNothingIsZero) {
   std::vector<float> none;
-  EXPECT_EQ(image::typical_grey(none, image::muscle_window_hu), 0);
+  EXPECT_EQ(image::modal_intensity(none, image::muscle_window_hu), 0);
 }
 
 }  // namespace

@@ -349,7 +349,7 @@ TEST(Overlay, WallsWithoutAnImageHaveTheLeastThickness) {
       for (std::int64_t i = 8; i < 32; ++i)
         chambers(i, j, k) = tag(i < 18 ? Region::la_blood : i < 20 ? Region::none : Region::rv_blood);
   LabelVolume given(grid);
-  const auto walls = least_walls(chambers, given, {.minimum_rv_wall_mm = 3, .minimum_atrial_wall_mm = 0.5});
+  const auto walls = min_walls(chambers, given, {.minimum_rv_wall_mm = 3, .minimum_atrial_wall_mm = 0.5});
   EXPECT_EQ(walls(7, 15, 15), tag(Region::la_wall));  // touches, though 0.5 mm is less than a voxel
   EXPECT_EQ(walls(6, 15, 15), 0);
   EXPECT_EQ(walls(34, 15, 15), tag(Region::rv_myocardium));
@@ -358,7 +358,7 @@ TEST(Overlay, WallsWithoutAnImageHaveTheLeastThickness) {
   EXPECT_EQ(walls(19, 15, 15), tag(Region::rv_myocardium));
   EXPECT_EQ(walls(12, 15, 15), 0);  // no wall inside the blood
   given(34, 15, 15) = tag(Region::lv_myocardium);
-  EXPECT_EQ(least_walls(chambers, given, {.minimum_rv_wall_mm = 3})(34, 15, 15), tag(Region::lv_myocardium));
+  EXPECT_EQ(min_walls(chambers, given, {.minimum_rv_wall_mm = 3})(34, 15, 15), tag(Region::lv_myocardium));
 }
 
 TEST(Overlay, PocketsInTheGivenHeartAreMuscleInVentriclesAndBloodInAtria) {

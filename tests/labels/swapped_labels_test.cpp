@@ -34,7 +34,7 @@ LabelVolume boxes() {
   return labels;
 }
 
-LabelVolume exchanged(LabelVolume labels, Region a, Region b) {
+LabelVolume swapped(LabelVolume labels, Region a, Region b) {
   for (auto& label : labels.voxels) label = label == tag(a) ? tag(b) : label == tag(b) ? tag(a) : label;
   return labels;
 }
@@ -45,8 +45,7 @@ TEST(ExchangedRegions, AreRefusedByName) {
        {std::pair{lv_blood, rv_blood}, std::pair{lv_myocardium, rv_myocardium}, std::pair{la_blood, ra_blood},
         std::pair{aorta, pulmonary_artery}, std::pair{lv_blood, la_blood}, std::pair{rv_blood, ra_blood},
         std::pair{lv_blood, lv_myocardium}}) {
-    const auto message =
-        error_of([&, a = a, b = b] { refuse_exchanged_regions(exchanged(boxes(), a, b), "seg.nrrd"); });
+    const auto message = error_of([&, a = a, b = b] { refuse_exchanged_regions(swapped(boxes(), a, b), "seg.nrrd"); });
     for (const auto& word : {std::string("seg.nrrd"), region_name(tag(a)), region_name(tag(b))})
       EXPECT_NE(message.find(word), std::string::npos) << word << " not in: " << message;
   }
@@ -56,7 +55,7 @@ TEST(ExchangedRegions, LeftAndRightThroughoutAreTold) {
   auto labels = boxes();
   for (const auto& [a, b] : {std::pair{lv_blood, rv_blood}, std::pair{lv_myocardium, rv_myocardium},
                              std::pair{la_blood, ra_blood}, std::pair{aorta, pulmonary_artery}})
-    labels = exchanged(std::move(labels), a, b);
+    labels = swapped(std::move(labels), a, b);
   const auto message = error_of([&] { refuse_exchanged_regions(labels, "seg.nrrd"); });
   EXPECT_NE(message.find("the left and the right heart"), std::string::npos) << message;
 }

@@ -84,8 +84,8 @@ TEST(PulmonaryValve, WhatLiesBesideTheArteryFarFromTheUsualPlaceIsNoValve) {
   ValvePatch parted;
   parted.centre_mm = 12.0 * axis;
   parted.normal = axis;
-  const auto found_mm = [&](const std::optional<Vec3>& usual_mm) {
-    return dot(find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted, usual_mm).centre_mm, axis);
+  const auto found_mm = [&](const std::optional<Vec3>& typical_mm) {
+    return dot(find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted, typical_mm).centre_mm, axis);
   };
   EXPECT_GT(found_mm(std::nullopt), 10);  // the bright thing's edge is the sharper one
   EXPECT_NEAR(found_mm((valve_mm - 10) * axis), valve_mm, 1.5);
@@ -96,8 +96,8 @@ TEST(PulmonaryValve, WhereNoWallTellsTheNearerToTheUsualPlaceCounts) {
   const Scene scene = make_scene(-1000, 0);
   ValvePatch parted;
   parted.normal = axis;
-  const auto found_mm = [&](const std::optional<Vec3>& usual_mm) {
-    return dot(find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted, usual_mm).centre_mm, axis);
+  const auto found_mm = [&](const std::optional<Vec3>& typical_mm) {
+    return dot(find_pulmonary_valve(scene.chambers, scene.image, scene.right, parted, typical_mm).centre_mm, axis);
   };
   EXPECT_EQ(found_mm(std::nullopt), 0);
   EXPECT_EQ(found_mm(5.0 * axis), 0);

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "generator/mesh/flips.hpp"
+#include "generator/mesh/label_repair.hpp"
 #include "generator/mesh/quality.hpp"
-#include "generator/mesh/settle_labels.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "support/diced_cubes.hpp"
 
@@ -44,7 +44,7 @@ double worst_of(const Labelled& mesh) {
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     if (mesh.label[c] == 0) continue;
     const auto at = [&](std::size_t i) { return mesh.nodes[static_cast<std::size_t>(mesh.cells[c][i])]; };
-    worst = std::min(worst, mesh::least_sine({at(0), at(1), at(2), at(3)}));
+    worst = std::min(worst, mesh::min_sine({at(0), at(1), at(2), at(3)}));
   }
   return worst;
 }
@@ -67,12 +67,11 @@ std::set<std::set<std::int32_t>> interface_faces(const Labelled& mesh) {
 }
 
 TEST(Quality, SineOfKnownCells) {
-  EXPECT_NEAR(mesh::least_sine({Vec3{1, 1, 1}, Vec3{-1, 1, -1}, Vec3{1, -1, -1}, Vec3{-1, -1, 1}}), std::sqrt(8.0) / 3,
+  EXPECT_NEAR(mesh::min_sine({Vec3{1, 1, 1}, Vec3{-1, 1, -1}, Vec3{1, -1, -1}, Vec3{-1, -1, 1}}), std::sqrt(8.0) / 3,
               1e-12);
-  EXPECT_NEAR(mesh::least_sine({Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}), std::sqrt(2.0 / 3),
-              1e-12);
-  EXPECT_LT(mesh::least_sine({Vec3{0, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, 1}}), 0) << "inverted";
-  EXPECT_EQ(mesh::least_sine({Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 0}}), 0) << "two equal nodes";
+  EXPECT_NEAR(mesh::min_sine({Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}), std::sqrt(2.0 / 3), 1e-12);
+  EXPECT_LT(mesh::min_sine({Vec3{0, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, 1}}), 0) << "inverted";
+  EXPECT_EQ(mesh::min_sine({Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 0}}), 0) << "two equal nodes";
 }
 
 TEST(Improve, ShakenMeshGetsBetterAndKeepsItsInterfaces) {
@@ -126,7 +125,7 @@ TEST(SettleLabels, CrumbsGoToTheirNeighbour) {
   while (mesh.label[inside] != 1) ++inside;
   mesh.label[inside + 40] = 2;  // one cell in the lower half
   EXPECT_NE(mesh.label, whole);
-  EXPECT_EQ(mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, {}, 5), 1);
+  EXPECT_EQ(mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, {}, 5), 1);
   EXPECT_EQ(mesh.label, whole);
 }
 
@@ -176,12 +175,12 @@ TEST(SettleLabels, NoPieceIsLeftWithAsFewCellsAsACrumb) {
     const auto before = piece_sizes(mesh);
     ASSERT_GT(std::ranges::count(before, 1), 100);
     ASSERT_GT(std::ranges::count_if(before, [](int size) { return size > 1 && size < 8; }), 20);
-    mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, {}, crumb);
+    mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, {}, crumb);
     const auto after = piece_sizes(mesh);
     EXPECT_GT(*std::ranges::min_element(after), crumb);
     EXPECT_EQ(mesh.label == whole, crumb == 0);
     // Twice the same: what is left stays.
-    EXPECT_EQ(mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, {}, crumb), 0);
+    EXPECT_EQ(mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, {}, crumb), 0);
   }
 }
 
@@ -197,7 +196,7 @@ TEST(SettleLabels, BodiesThatTouchInAnEdgeOrACornerArePartedOrJoined) {
     }
     mesh::LabelSet one{};
     one[1] = true;
-    EXPECT_GT(mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, std::span(&one, 1), 0), 0);
+    EXPECT_GT(mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, std::span(&one, 1), 0), 0);
     std::map<std::set<std::int32_t>, int> edges;
     for (const auto& f : interface_faces(mesh))
       for (const auto dropped : f) {
@@ -254,7 +253,7 @@ TEST(SettleLabels, SetsThatShareLabelsAllBecomeManifold) {
       if (label != 0) label = static_cast<std::int32_t>((state >> 16U) % 3);
     }
     ASSERT_GT(nodes_not_manifold(mesh, sets[0]), 100);
-    mesh::settle_labels(mesh.nodes, mesh.cells, mesh.label, sets, 0);
+    mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, sets, 0);
     for (const auto& set : sets) EXPECT_EQ(nodes_not_manifold(mesh, set), 0) << seed;
     EXPECT_GT(volume_of(mesh, 1) + volume_of(mesh, 2), 20) << seed;
   }

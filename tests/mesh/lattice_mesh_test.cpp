@@ -33,7 +33,7 @@ void expect_angles(const Complex& c, double least, double most) {
   const auto range = dihedral_range(c);
   EXPECT_GE(range[0], least);
   EXPECT_LE(range[1], most);
-  EXPECT_GT(least_volume(c), 0);
+  EXPECT_GT(min_volume(c), 0);
 }
 
 // Distance of each constrained node to its surfaces, in lattice widths.
@@ -62,7 +62,7 @@ TEST(LatticeMesh, BalancingSetsTheVolumeRightAndKeepsTheAngles) {
   auto c = mesh_of(m).complex;
   const double exact = 4.0 / 3 * std::numbers::pi * 8 * 8 * 8;
   const double before = std::abs(volume_of(c, 1) - exact);
-  surface_fit::balance_surfaces(c, m, 0.49);
+  surface_fit::correct_surface_volumes(c, m, 0.49);
   EXPECT_LT(std::abs(volume_of(c, 1) - exact), 0.4 * before);
   EXPECT_NEAR(volume_of(c, 1), exact, 0.004 * exact);
   expect_angles(c, 29, 145);
@@ -85,7 +85,7 @@ TEST(LatticeMesh, BalancedFacesLieCloseToTheSurfaceAndKeepItsVolume) {
   for (const double radius : {4.0, 7.0, 12.0}) {  // 3 to 10 edges
     const auto m = materials_of(ball(radius), radius + 2, 1.2);
     auto c = mesh_of(m).complex;
-    surface_fit::balance_surfaces(c, m, 0.49);
+    surface_fit::correct_surface_volumes(c, m, 0.49);
     const auto distances = distances_to_sphere(c, radius);
     EXPECT_LE(distances[0], 0.1) << radius;
     EXPECT_LE(distances[1], 0.3) << radius;
@@ -96,7 +96,7 @@ TEST(LatticeMesh, BalancedFacesLieCloseToTheSurfaceAndKeepItsVolume) {
 
 Complex balanced(const Materials& m) {
   auto c = mesh_of(m).complex;
-  surface_fit::balance_surfaces(c, m, 0.49);
+  surface_fit::correct_surface_volumes(c, m, 0.49);
   return c;
 }
 
@@ -130,7 +130,7 @@ TEST(LatticeMesh, EveningOutGivesARegionTheVolumeThatItsNarrowPartsLack) {
   const double exact = 4.0 / 3 * std::numbers::pi * (std::pow(small_radius, 3) + std::pow(large_radius, 3));
   const double before = std::abs(volume_of(c, 1) / exact - 1);
   EXPECT_GT(before, 0.0005) << "nothing to even out";
-  surface_fit::even_out_volumes(c, m, 0.49);
+  surface_fit::equalize_volumes(c, m, 0.49);
   EXPECT_LT(std::abs(volume_of(c, 1) / exact - 1), 0.5 * before);
   EXPECT_LT(std::abs(volume_of(c, 1) / exact - 1), 0.0007);
   EXPECT_LT(farthest_node(c, m), 0.0801) << "nodes keep their limit";
@@ -142,7 +142,7 @@ TEST(LatticeMesh, MaterialsThatMeetSharplyAreBluntedNotBroken) {
   const Fields fields{[](const Vec3& p) { return norm(p) - 11; }, [](const Vec3& p) { return p.x - 0.1 * p.z; },
                       [](const Vec3& p) { return -p.x - 0.1 * p.z; }, [](const Vec3&) { return 0.0; }};
   const auto m = materials_of(fields, 13, 1.1);
-  auto stuffed = stuffing::stuff(m, {});
+  auto stuffed = stuffing::stuff_isosurfaces(m, {});
   tetmesh::derive_touches(stuffed);
   tetmesh::compress(stuffed);
   const auto c = mesh_of(m).complex;
@@ -265,7 +265,7 @@ TEST(LatticeMesh, SheetThinnerThanAnEdgeHasNoDents) {
 
 TEST(LatticeMesh, RepairNeverLowersTheWorstCell) {
   const auto m = materials_of(four_in_a_ball(), 14, 1.2);
-  auto c = stuffing::stuff(m, {});
+  auto c = stuffing::stuff_isosurfaces(m, {});
   tetmesh::derive_touches(c);
   tetmesh::compress(c);
   double before = 1;

@@ -99,7 +99,7 @@ Meshed mesh_of(const LabelVolume& labels, double edge_mm = 1, double torso_edge_
   made.mesh = mesh::mesh_slice(labels, 0, settings, &made.report);
   expect_valid(made.mesh);
   EXPECT_EQ(made.report.outside_bounds, 0);
-  EXPECT_GE(made.report.least_angle_deg, 28);
+  EXPECT_GE(made.report.min_angle_deg, 28);
   EXPECT_LE(made.report.greatest_angle_deg, 120);
   return made;
 }

@@ -200,8 +200,8 @@ TEST(Ranks, MinimalCutHasTheSameBits) {
       const double r = length(x, y, z);
       return r < 1.5 ? 2 : r < 3.4 ? 1 : 0;
     });
-    const auto distributed = pde::minimal_cut(on_root(weight), on_root(state), {45, 1e-6, 20}, world());
-    const auto serial = pde::minimal_cut(weight, state, {45, 1e-6, 20}, self());
+    const auto distributed = pde::continuous_min_cut(on_root(weight), on_root(state), {45, 1e-6, 20}, world());
+    const auto serial = pde::continuous_min_cut(weight, state, {45, 1e-6, 20}, self());
     EXPECT_EQ(distributed.u.voxels, on_root(serial.u).voxels);
     EXPECT_EQ(distributed.duality_gap, serial.duality_gap);
     EXPECT_EQ(distributed.energy, serial.energy);

@@ -38,7 +38,7 @@ TEST(MinimalCut, OfASphericalShellLiesAtTheLeastWeight) {
     const auto size = [](double h) { return static_cast<std::int64_t>(36 / h); };
     const Grid grid = grid_of({size(spacing.x), size(spacing.y), size(spacing.z)}, spacing);
     for (const double valley : {8.0, 12.0}) {
-      const auto cut = pde::minimal_cut(valley_weight(grid, valley), shell(grid), {2000, 1e-3, 20}, alone);
+      const auto cut = pde::continuous_min_cut(valley_weight(grid, valley), shell(grid), {2000, 1e-3, 20}, alone);
       EXPECT_LE(cut.duality_gap, 1e-3);
       double volume = 0;
       for (const float u : cut.u.voxels) volume += u > 0.5f ? grid.voxel_volume_mm3() : 0;
@@ -61,7 +61,7 @@ TEST(MinimalCut, BetweenTwoPlanesCostsAreaTimesLeastWeight) {
         if (i >= 18) state(i, j, k) = cut_outer;
         weight(i, j, k) = i == 11 ? 0.25f : 1.0f;
       }
-  const auto cut = pde::minimal_cut(weight, state, {3000, 1e-4, 20}, alone);
+  const auto cut = pde::continuous_min_cut(weight, state, {3000, 1e-4, 20}, alone);
   EXPECT_LE(cut.duality_gap, 1e-4);
   EXPECT_NEAR(cut.energy, 0.25 * 7 * 1 * 5 * 2, 0.003);
   for (std::int64_t i = 0; i < 20; ++i) EXPECT_NEAR(cut.u(i, 3, 2), i <= 11 ? 1 : 0, 0.02) << i;
@@ -70,7 +70,7 @@ TEST(MinimalCut, BetweenTwoPlanesCostsAreaTimesLeastWeight) {
 TEST(MinimalCut, KeepsTheFixedSets) {
   const Grid grid = grid_of({36, 36, 36});
   const auto state = shell(grid);
-  const auto cut = pde::minimal_cut(valley_weight(grid, 9), state, {40, 1e-3, 20}, alone);
+  const auto cut = pde::continuous_min_cut(valley_weight(grid, 9), state, {40, 1e-3, 20}, alone);
   for (std::size_t i = 0; i < state.voxels.size(); ++i) {
     const float low = state.voxels[i] == cut_inner ? 1.0f : 0.0f, high = state.voxels[i] == cut_outer ? 0.0f : 1.0f;
     EXPECT_GE(cut.u.voxels[i], low);
@@ -81,9 +81,9 @@ TEST(MinimalCut, KeepsTheFixedSets) {
 TEST(MinimalCut, GapBoundsTheTrueError) {
   const Grid grid = grid_of({36, 36, 36});
   const auto weight = valley_weight(grid, 10);
-  const auto best = pde::minimal_cut(weight, shell(grid), {6000, 2e-5, 100}, alone);
+  const auto best = pde::continuous_min_cut(weight, shell(grid), {6000, 2e-5, 100}, alone);
   for (const int iterations : {20, 60, 180}) {
-    const auto cut = pde::minimal_cut(weight, shell(grid), {iterations, 0, 20}, alone);
+    const auto cut = pde::continuous_min_cut(weight, shell(grid), {iterations, 0, 20}, alone);
     EXPECT_EQ(cut.iterations, iterations);
     EXPECT_GE(cut.energy * (1 + 1e-6), best.energy * (1 - best.duality_gap));
     EXPECT_LE(cut.energy * (1 - cut.duality_gap), best.energy * (1 + 1e-6));
@@ -93,21 +93,21 @@ TEST(MinimalCut, GapBoundsTheTrueError) {
 TEST(MinimalCut, RefusesBadInput) {
   const Grid grid = grid_of({12, 12, 12});
   const Volume<float> weight(grid, 1);
-  EXPECT_THROW(pde::minimal_cut(weight, Mask(grid, cut_free), {}, alone), UserError);
-  EXPECT_THROW(pde::minimal_cut(weight, Mask(grid, cut_inner), {}, alone), UserError);
+  EXPECT_THROW(pde::continuous_min_cut(weight, Mask(grid, cut_free), {}, alone), UserError);
+  EXPECT_THROW(pde::continuous_min_cut(weight, Mask(grid, cut_inner), {}, alone), UserError);
   auto state = Mask(grid, cut_free);
   state.voxels.front() = cut_inner;
   state.voxels.back() = cut_outer;
-  EXPECT_NO_THROW(pde::minimal_cut(weight, state, {20, 1e-3, 20}, alone));
+  EXPECT_NO_THROW(pde::continuous_min_cut(weight, state, {20, 1e-3, 20}, alone));
   auto bad = weight;
   bad.voxels[100] = 0;
-  EXPECT_THROW(pde::minimal_cut(bad, state, {}, alone), UserError);
+  EXPECT_THROW(pde::continuous_min_cut(bad, state, {}, alone), UserError);
 }
 
 TEST(MinimalCut, HasTheSameBitsForAnyNumberOfThreads) {
   const Grid grid = grid_of({36, 30, 28}, {1, 1.2, 1.3});
   const auto results = at_threads([&] {
-    return pde::minimal_cut(valley_weight(grid, 9), shell(grid), {60, 1e-4, 20}, alone);
+    return pde::continuous_min_cut(valley_weight(grid, 9), shell(grid), {60, 1e-4, 20}, alone);
   });
   for (const auto& result : results) {
     EXPECT_EQ(result.u.voxels, results[0].u.voxels);

@@ -30,8 +30,8 @@ TEST(Descend, EndsWhereNoVoxelLowersTheEnergy) {
     const auto strength = static_cast<float>(pde::smallest_spacing(grid) / settings.mu);
     auto above = slab_of(start);
     const double before = energy(above);
-    pde::descend(image, domain, {2 * strength, 0.5f, strength}, pde::axis_weights(grid),
-                 pde::row_runs(domain, [](std::uint8_t) { return true; }), 100, above, alone);
+    pde::descend_coordinates(image, domain, {2 * strength, 0.5f, strength}, pde::axis_weights(grid),
+                             pde::row_runs(domain, [](std::uint8_t) { return true; }), 100, above, alone);
     const double after = energy(above);
     EXPECT_LE(after, before);
     for (std::size_t i = 0; i < above.owned().size(); ++i) {

@@ -51,15 +51,15 @@ TEST(EdgeFunction, UsualEdgeFollowsTheGreyScale) {
   const auto image = ball(grid_of({30, 30, 1}), 8);
   auto brighter = image;
   for (auto& v : brighter.voxels) v = 50 * v - 20;
-  EXPECT_NEAR(pde::usual_edge_per_mm(brighter, 1) / pde::usual_edge_per_mm(image, 1), 50, 1e-3);
-  EXPECT_GT(pde::usual_edge_per_mm(Volume<float>(grid_of({4, 4, 1}), 7), 1), 0);
+  EXPECT_NEAR(pde::default_edge_per_mm(brighter, 1) / pde::default_edge_per_mm(image, 1), 50, 1e-3);
+  EXPECT_GT(pde::default_edge_per_mm(Volume<float>(grid_of({4, 4, 1}), 7), 1), 0);
 }
 
 TEST(EdgeFunction, MistakesAreUserErrors) {
   const auto image = slab_of(ball(grid_of({8, 8, 1}), 2));
   EXPECT_THROW(edge_function(image, {-1, 1}, self()), UserError);
   EXPECT_THROW(edge_function(image, {1, 0}, self()), UserError);
-  EXPECT_THROW(pde::usual_edge_per_mm({}, 1), UserError);
+  EXPECT_THROW(pde::default_edge_per_mm({}, 1), UserError);
 }
 
 }  // namespace

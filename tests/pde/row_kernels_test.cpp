@@ -54,7 +54,7 @@ TEST(RowKernels, SolversHaveTheSameBitsForAnyVectorLength) {
     return r < 2 ? 2 : r < 6 ? 1 : 0;
   });
   expect_same_bits([&] { return pde::chan_vese(image, domain, {.mu = 0.6}, alone).above.voxels; });
-  expect_same_bits([&] { return pde::minimal_cut(weight, state, {.max_iterations = 40}, alone).u.voxels; });
+  expect_same_bits([&] { return pde::continuous_min_cut(weight, state, {.max_iterations = 40}, alone).u.voxels; });
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST(Decided, AgreesWithEveryMinimiser) {
     for (auto& g : image.voxels) g = static_cast<float>(uniform() + (random() % 3 ? 0.8 : -0.8));
     for (auto& d : domain.voxels) d = random() % 8 != 0;
     const pde::LinearForce force{3, 0.1f, 7};
-    const auto state = pde::decide(slab_of(image), slab_of(domain), force, weights, alone);
+    const auto state = pde::screen(slab_of(image), slab_of(domain), force, weights, alone);
     std::vector<double> pull;
     for (const float g : image.voxels) pull.push_back(std::clamp(force.gain * (g - force.middle), -7.0f, 7.0f));
     SlowMinimum slow(domain, pull, weights);
@@ -104,7 +104,7 @@ TEST(Decided, IsTheSameForAnyNumberOfThreads) {
   const Grid grid = grid_of({31, 23, 9});
   const auto image = slab_of(testing::noisy(testing::ball(grid, 7), 0.4));
   const auto domain = slab_of(Mask(grid, 1));
-  const auto results = at_threads([&] { return pde::decide(image, domain, {6, 0.5f, 4}, {1, 1, 1}, alone).values; });
+  const auto results = at_threads([&] { return pde::screen(image, domain, {6, 0.5f, 4}, {1, 1, 1}, alone).values; });
   for (const auto& result : results) EXPECT_EQ(result, results[0]);
 }
 

@@ -51,10 +51,10 @@ TEST(FovCuts, TheBodyEndsInASurfaceOfItsOwnWherePaddingBegins) {
   EXPECT_EQ(std::count(mesh.surface.begin(), mesh.surface.end(), *surface_from_name("fov_cut")), 0);
   pipeline::label_padding_cuts(mesh, grid, padding);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    double least_x_mm = 100;
+    double min_x_mm = 100;
     for (const auto node : mesh.faces[f])
-      least_x_mm = std::min(least_x_mm, mesh.nodes_mm[static_cast<std::size_t>(node)].x);
-    EXPECT_EQ(surface_name(mesh.surface[f]), least_x_mm == 20 ? "fov_cut" : "skin") << f;
+      min_x_mm = std::min(min_x_mm, mesh.nodes_mm[static_cast<std::size_t>(node)].x);
+    EXPECT_EQ(surface_name(mesh.surface[f]), min_x_mm == 20 ? "fov_cut" : "skin") << f;
   }
 }
 

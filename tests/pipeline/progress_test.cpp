@@ -13,10 +13,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Watch, TellsAgainAndAgainUntilItsEnd) {
+TEST(Heartbeat, TellsAgainAndAgainUntilItsEnd) {
   std::atomic<int> told = 0;
   {
-    const pipeline::Watch watch(1ms, [&](double) { ++told; });
+    const pipeline::Heartbeat watch(1ms, [&](double) { ++told; });
     while (told < 3) std::this_thread::sleep_for(1ms);
   }
   const int at_end = told;
@@ -24,10 +24,10 @@ TEST(Watch, TellsAgainAndAgainUntilItsEnd) {
   EXPECT_EQ(told, at_end);
 }
 
-TEST(Watch, EndsAtOnce) {
+TEST(Heartbeat, EndsAtOnce) {
   const auto start = std::chrono::steady_clock::now();
   {
-    const pipeline::Watch watch(1h, [](double) {});
+    const pipeline::Heartbeat watch(1h, [](double) {});
   }
   EXPECT_LT(std::chrono::steady_clock::now() - start, 1min);
 }

@@ -12,7 +12,7 @@ namespace heartgen {
 namespace {
 
 /// 250 ml of wall around 650 ml of blood, in voxels of a millilitre.
-LabelVolume usual_heart() {
+LabelVolume typical_heart() {
   Grid grid;
   grid.size = {12, 12, 12};
   grid.spacing_mm = {10, 10, 10};
@@ -34,7 +34,7 @@ TEST(Resolutions, HaveShortNames) {
 
 TEST(Resolutions, EdgesThatDoNotFitIntoMemoryAreRefusedByName) {
   constexpr double memory_bytes = 16e9;
-  const LabelVolume heart = usual_heart();
+  const LabelVolume heart = typical_heart();
   EXPECT_NO_THROW(pipeline::check_memory(heart, with({0.8, 2}), memory_bytes));
   EXPECT_NO_THROW(pipeline::check_memory(heart, with({0.4}), 0)) << "unknown";
   try {
@@ -48,7 +48,7 @@ TEST(Resolutions, EdgesThatDoNotFitIntoMemoryAreRefusedByName) {
 
 TEST(Memory, EdgesOfTheMeshItselfAreRefusedByName) {
   constexpr double memory_bytes = 16e9;
-  const LabelVolume heart = usual_heart();
+  const LabelVolume heart = typical_heart();
   EXPECT_NO_THROW(pipeline::check_memory(heart, {}, memory_bytes));
   for (const auto& [edge, key] : {std::pair{&MeshSettings::heart_edge_mm, "mesh.heart_edge_mm"},
                                   {&MeshSettings::blood_edge_mm, "mesh.blood_edge_mm"}}) {
@@ -66,10 +66,10 @@ TEST(Memory, EdgesOfTheMeshItselfAreRefusedByName) {
 
 /// A heart of 254 ml of wall and 662 ml of blood was meshed at these edges, its blood with it.
 TEST(Resolutions, TheEstimateIsNotBelowTheCellsOfMeshesThatWereMade) {
-  constexpr double least_bytes_per_cell = 600;
-  const LabelVolume heart = usual_heart();
-  EXPECT_GT(pipeline::estimate_bytes(heart, 1.2), least_bytes_per_cell * 2193286);
-  EXPECT_GT(pipeline::estimate_bytes(heart, 0.8), least_bytes_per_cell * 6521362);
+  constexpr double min_bytes_per_cell = 600;
+  const LabelVolume heart = typical_heart();
+  EXPECT_GT(pipeline::estimate_bytes(heart, 1.2), min_bytes_per_cell * 2193286);
+  EXPECT_GT(pipeline::estimate_bytes(heart, 0.8), min_bytes_per_cell * 6521362);
 }
 
 }  // namespace

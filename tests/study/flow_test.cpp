@@ -80,12 +80,12 @@ TEST(Regions, BestTwoClassesByTrial) {
     };
     double least = 1e300;
     for (int threshold = 1; threshold < 255; ++threshold) least = std::min(least, cost(threshold));
-    const GreyValues c = two_classes(image, plane, norm);
+    const GreyValues c = two_means(image, plane, norm);
     EXPECT_NEAR(energy(image, two_class_start(image, plane, norm), plane, norm, 0, 1, Length::heaviside), least,
                 1e-6 * least);
     EXPECT_GT(c.positive, c.negative);
   }
-  EXPECT_THROW(two_classes(Field(5, 5, 7), whole_plane(5, 5), Norm::l1), UserError);
+  EXPECT_THROW(two_means(Field(5, 5, 7), whole_plane(5, 5), Norm::l1), UserError);
 }
 
 TEST(Flow, MeanCurvatureShrinksACircleAtTheRightSpeed) {

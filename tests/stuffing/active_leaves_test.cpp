@@ -64,7 +64,7 @@ std::map<Point, int> cells_per_node(const stuffing::Background& b) {
 TEST(NearLeaves, HoldAllCellsAroundLabelledNodesAndTheirLabels) {
   const auto tree = graded_tree();
   const auto whole = stuffing::make_background(tree);
-  const auto part = stuffing::make_background(tree, label_at, stuffing::near_leaves(tree, label_at));
+  const auto part = stuffing::make_background(tree, label_at, stuffing::active_leaves(tree, label_at));
   EXPECT_LT(part.cells.size(), whole.cells.size());
   std::set<PointCell> made;
   for (const auto& cell : part.cells) made.insert(points(part, cell));
@@ -78,7 +78,7 @@ TEST(NearLeaves, HoldAllCellsAroundLabelledNodesAndTheirLabels) {
 TEST(NearLeaves, NodesOfTheirCellsKnowWhetherOthersWereNotMade) {
   const auto tree = graded_tree();
   const auto whole = stuffing::make_background(tree);
-  const auto part = stuffing::make_background(tree, label_at, stuffing::near_leaves(tree, label_at));
+  const auto part = stuffing::make_background(tree, label_at, stuffing::active_leaves(tree, label_at));
   const auto in_whole = cells_per_node(whole), in_part = cells_per_node(part);
   std::set<Point> nodes;
   for (const auto& cell : cells_wanted(whole)) nodes.insert(cell.begin(), cell.end());
@@ -97,7 +97,7 @@ TEST(NearLeaves, SameBitsForAnyNumberOfThreads) {
   std::vector<stuffing::Background> made;
   for (const int threads : {1, 2, 5}) {
     parallel::set_thread_count(threads);
-    made.push_back(stuffing::make_background(tree, label_at, stuffing::near_leaves(tree, label_at)));
+    made.push_back(stuffing::make_background(tree, label_at, stuffing::active_leaves(tree, label_at)));
   }
   parallel::set_thread_count(2);
   for (const auto& b : made) {

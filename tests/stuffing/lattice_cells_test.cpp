@@ -68,7 +68,7 @@ TEST(Background, CellsFillTheBoxWithoutGapsOrOverlaps) {
   double volume = 0;
   for (const auto& cell : c.cells) volume += volume_of(c, cell);
   EXPECT_NEAR(volume, 44 * 40 * 40, 1e-6 * volume);
-  EXPECT_GT(least_volume(c), 0);
+  EXPECT_GT(min_volume(c), 0);
   for (const auto& [face, count] : face_counts(c.cells)) {
     const LabelBits sides = background.sides[static_cast<std::size_t>(face[0])] &
                             background.sides[static_cast<std::size_t>(face[1])] &

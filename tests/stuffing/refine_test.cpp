@@ -27,7 +27,7 @@ double width_at(const stuffing::Octree& tree, const Vec3& p) {
   return std::ldexp(tree.step_mm.x, tree.leaf_over(at).level);
 }
 
-stuffing::Octree tree_of(const Materials& m) { return stuffing::lay_lattice(m).tree; }
+stuffing::Octree tree_of(const Materials& m) { return stuffing::build_background_lattice(m).tree; }
 
 TEST(Refine, SpotsHalveTheEdgesInThem) {
   auto m = solid_ball(10, 1);
@@ -58,9 +58,9 @@ TEST(Refine, ElsewhereTheLatticeStays) {
     auto m = solid_ball(10, 1.2);
     m.edge_mm = [](const Vec3& p) { return p.x > 0 ? 1.4 : 1.2; };
     if (!is_known) m.finest_edge_mm = 0;
-    const auto plain = stuffing::stuff(m, {});
+    const auto plain = stuffing::stuff_isosurfaces(m, {});
     ASSERT_TRUE(stuffing::add_spots(m, {{5, 0, 0}}, 2));
-    const auto fine = stuffing::stuff(m, {});
+    const auto fine = stuffing::stuff_isosurfaces(m, {});
     EXPECT_GT(fine.cells.size(), plain.cells.size());
     const auto far_from_spot = [](const Complex& c) {
       std::vector<Vec3> nodes;
@@ -86,7 +86,7 @@ TEST(Refine, ACellOfAnotherRegionIsAStray) {
   const auto m = ball_of_two_halves();
   auto c = mesh_of(m).complex;
   std::vector<std::uint8_t> is_changed(c.cells.size(), 0);
-  EXPECT_TRUE(stuffing::far_strays(c, m, ~0U, is_changed).empty());
+  EXPECT_TRUE(stuffing::far_mislabelled_cells(c, m, ~0U, is_changed).empty());
   const auto is_deep = [&](const Cell& cell) {
     return std::all_of(cell.begin(), cell.end(), [&](auto n) { return c.at(n).z > 1.5 && norm(c.at(n)) < 3; });
   };
@@ -95,8 +95,9 @@ TEST(Refine, ACellOfAnotherRegionIsAStray) {
   c.label[deep] = 2;
   is_changed[deep] = 1;
   tetmesh::derive_touches(c);
-  EXPECT_EQ(stuffing::far_strays(c, m, ~0U, is_changed).size(), 1U);
-  EXPECT_TRUE(stuffing::far_strays(c, m, tetmesh::bit_of(3), is_changed).empty()) << "only of the labels asked for";
+  EXPECT_EQ(stuffing::far_mislabelled_cells(c, m, ~0U, is_changed).size(), 1U);
+  EXPECT_TRUE(stuffing::far_mislabelled_cells(c, m, tetmesh::bit_of(3), is_changed).empty())
+      << "only of the labels asked for";
 }
 
 }  // namespace

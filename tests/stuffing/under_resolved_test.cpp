@@ -38,9 +38,9 @@ std::vector<std::array<double, 4>> cells_at_pocket(const Complex& c) {
 
 TEST(Delicate, WhatIsStuffedOfAPartIsWhatTheWholeHasThere) {
   const auto m = ball_with_pocket();
-  const auto lattice = stuffing::lay_lattice(m);
-  const auto whole = stuffing::stuff(m, lattice, {});
-  const auto part = stuffing::stuff(m, stuffing::delicate_part(lattice).lattice, {});
+  const auto lattice = stuffing::build_background_lattice(m);
+  const auto whole = stuffing::stuff_isosurfaces(m, lattice, {});
+  const auto part = stuffing::stuff_isosurfaces(m, stuffing::under_resolved_part(lattice).lattice, {});
   EXPECT_LT(2 * part.cells.size(), whole.cells.size());
   EXPECT_GT(cells_at_pocket(part).size(), 50U);
   EXPECT_EQ(cells_at_pocket(part), cells_at_pocket(whole));
@@ -48,8 +48,8 @@ TEST(Delicate, WhatIsStuffedOfAPartIsWhatTheWholeHasThere) {
 
 TEST(Delicate, SmoothSurfacesAreNot) {
   const auto m = ball_with_pocket();
-  const auto lattice = stuffing::lay_lattice(m);
-  const auto part = stuffing::delicate_part(lattice);
+  const auto lattice = stuffing::build_background_lattice(m);
+  const auto part = stuffing::under_resolved_part(lattice);
   const auto count = [](const std::vector<std::uint8_t>& is) { return std::count(is.begin(), is.end(), 1); };
   EXPECT_TRUE(stuffing::is_in_core(part, pocket));
   EXPECT_FALSE(stuffing::is_in_core(part, {0, 0, 5}));

@@ -34,31 +34,31 @@ std::int32_t pole(const Complex& c) {
 }
 
 struct PoleOfBall {
-  tetmesh::Place place;
-  surface_fit::Around around;
+  tetmesh::Cavity place;
+  surface_fit::CavityBoundary around;
   std::size_t node;  // of the part
 };
 
 PoleOfBall pole_of_ball(const Complex& c) {
   const auto node = pole(c);
-  auto place = tetmesh::place_around(c, c.star(node)[0], 2);
+  auto place = tetmesh::cavity_around(c, c.star(node)[0], 2);
   auto around = surface_fit::faces_around(c, surface_fit::by_height(c, surface_fit::outer_faces(c)), place);
   const auto own = std::ranges::lower_bound(place.nodes, node) - place.nodes.begin();
   return {std::move(place), std::move(around), static_cast<std::size_t>(own)};
 }
 
-TEST(Around, FacesOfASoundMeshDoNotMeet) {
+TEST(CavityBoundary, FacesOfASoundMeshDoNotMeet) {
   const auto c = mesh_of(balls_side_by_side()).complex;
   const auto outer = surface_fit::by_height(c, surface_fit::outer_faces(c));
   for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(c.cells.size()); cell += 50) {
-    const auto place = tetmesh::place_around(c, cell, 2);
+    const auto place = tetmesh::cavity_around(c, cell, 2);
     const auto around = surface_fit::faces_around(c, outer, place);
     EXPECT_EQ(surface_fit::count_meeting(place.part, around), 0U);
     EXPECT_TRUE(surface_fit::is_within_reach(place.part, around));
   }
 }
 
-TEST(Around, ASheetBesideThePlaceIsKnown) {
+TEST(CavityBoundary, ASheetBesideThePlaceIsKnown) {
   const auto c = mesh_of(balls_side_by_side()).complex;
   auto [place, around, node] = pole_of_ball(c);
   double end_mm = -8;
@@ -69,7 +69,7 @@ TEST(Around, ASheetBesideThePlaceIsKnown) {
   EXPECT_GT(surface_fit::count_meeting(place.part, around), 0U);
 }
 
-TEST(Around, WhatLeavesThePlaceByFarIsBeyondReach) {
+TEST(CavityBoundary, WhatLeavesThePlaceByFarIsBeyondReach) {
   const auto c = mesh_of(balls_side_by_side()).complex;
   auto [place, around, node] = pole_of_ball(c);
   place.part.nodes_mm[node].x += 3 * edge_mm;
@@ -80,7 +80,7 @@ TEST(FreeCellsAround, AreThePlaceUnlessOneOfItsNodesIsTaken) {
   const auto c = mesh_of(balls_side_by_side()).complex;
   const auto cell = c.star(pole(c))[0];
   std::vector<std::uint8_t> is_taken(c.nodes_mm.size(), 1);
-  const auto place = tetmesh::place_around(c, cell, 2);
+  const auto place = tetmesh::cavity_around(c, cell, 2);
   for (const auto n : place.nodes) is_taken[static_cast<std::size_t>(n)] = 0;
   EXPECT_EQ(tetmesh::free_cells_around(c, cell, 2, is_taken), place.cells);
   EXPECT_TRUE(tetmesh::free_cells_around(c, cell, 3, is_taken).empty());

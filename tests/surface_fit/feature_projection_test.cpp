@@ -23,7 +23,7 @@ Materials sectors() {
 }
 
 Complex stuffed(const Materials& m) {
-  auto c = stuffing::stuff(m, {});
+  auto c = stuffing::stuff_isosurfaces(m, {});
   tetmesh::derive_touches(c);
   tetmesh::compress(c);
   return c;
@@ -57,7 +57,7 @@ TEST(Draw, NodesBesideTheirCurveComeBack) {
   ASSERT_GT(pushed, 4);
   ASSERT_GT(farthest(c, m), 0.3);
   const double worst = *std::ranges::min_element(c.quality);
-  surface_fit::draw_to_curves(c, m, 0.05);
+  surface_fit::project_to_curves(c, m, 0.05);
   EXPECT_LT(farthest(c, m), 0.05);
   EXPECT_GE(static_cast<double>(*std::ranges::min_element(c.quality)), std::min(0.05, worst));
 }
@@ -68,7 +68,7 @@ TEST(Draw, FrozenNodesStay) {
   for (const auto n : nodes_on_curve(c)) tetmesh::shift_node(c, n, {0.3, 0, 0}, 1, 0.1);
   c.frozen.assign(c.nodes_mm.size(), 1);
   const auto before = c.nodes_mm;
-  surface_fit::draw_to_curves(c, m, 0.05);
+  surface_fit::project_to_curves(c, m, 0.05);
   EXPECT_EQ(c.nodes_mm, before);
 }
 

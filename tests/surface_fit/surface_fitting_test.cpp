@@ -50,13 +50,13 @@ TEST(Fit, FacesInAGrooveGetNearToTheirSurface) {
   surface_fit::FitSettings settings;
   settings.aim = 0.15;
   ASSERT_GT(before, settings.aim);
-  const auto missed = surface_fit::fit_faces(c, m, {}, settings);
+  const auto missed = surface_fit::fit_surfaces(c, m, {}, settings);
   EXPECT_EQ(missed, 0);
   EXPECT_LT(worst_error(c, m), settings.aim + 1e-12);
   EXPECT_GE(worst_quality(c), std::min(quality, settings.enough) - 1e-6);
   tetmesh::compress(c);
   EXPECT_EQ(defects(c), 0);
-  EXPECT_GT(least_volume(c), 0);
+  EXPECT_GT(min_volume(c), 0);
 }
 
 // What fits can be kept so while cells get better; repair alone does not look at the middles of faces.
@@ -66,7 +66,7 @@ TEST(Fit, RepairSparesFacesThatFit) {
   constexpr double limit = 0.15;
   surface_fit::FitSettings settings;
   settings.aim = limit;
-  ASSERT_EQ(surface_fit::fit_faces(start, m, {}, settings), 0);
+  ASSERT_EQ(surface_fit::fit_surfaces(start, m, {}, settings), 0);
   ASSERT_LT(worst_error(start, m), limit + 1e-12);
   tetmesh::RepairSettings repairing;
   repairing.goal = repairing.least = 0.6;
@@ -125,10 +125,10 @@ TEST(Fit, NodesFarFromTheirSurfaceAreSeenWhereTheLevelSetMakesThemSeemNear) {
   auto c = mesh_of(even).complex;
   const auto faces = tetmesh::surface_faces(c);
   const auto node = faces.front().nodes[0];
-  ASSERT_TRUE(tetmesh::misfits(c, uneven, 0.29, ~0U, faces).empty());
+  ASSERT_TRUE(tetmesh::deviating_faces(c, uneven, 0.29, ~0U, faces).empty());
   c.nodes_mm[static_cast<std::size_t>(node)] *= (6 + turn_mm + 0.009) / norm(c.at(node));
   ASSERT_LT(tetmesh::distance_to(tetmesh::feature_at(uneven, c.bits(node), c.at(node))), 0.01);
-  const auto found = tetmesh::misfits(c, uneven, 0.29, ~0U, faces);
+  const auto found = tetmesh::deviating_faces(c, uneven, 0.29, ~0U, faces);
   const auto at_node = [&](const Face& face) { return std::ranges::find(face, node) != face.end(); };
   EXPECT_GE(found.size(), 3U);
   EXPECT_TRUE(std::ranges::all_of(found, at_node));
@@ -145,7 +145,7 @@ TEST(Fit, FacesReachTheBottomOfANotch) {
       auto c = mesh_of(m).complex;
       farthest_before = std::max(farthest_before, worst_distance(c, notched));
       const auto defects_before = defects(c);
-      EXPECT_EQ(surface_fit::fit_faces(c, m, {}, {}), 0) << shift << ' ' << sine;
+      EXPECT_EQ(surface_fit::fit_surfaces(c, m, {}, {}), 0) << shift << ' ' << sine;
       EXPECT_LT(worst_distance(c, notched), before_aim + 1e-9) << shift << ' ' << sine;
       tetmesh::compress(c);
       EXPECT_EQ(defects(c), defects_before);
@@ -176,7 +176,7 @@ TEST(Fit, NodesComeBackToTheirCurve) {
   }
   ASSERT_GT(farthest(), 0.3);
   surface_fit::FitSettings settings;
-  surface_fit::fit_faces(c, m, {}, settings);
+  surface_fit::fit_surfaces(c, m, {}, settings);
   EXPECT_LT(farthest(), 0.29);
 }
 
@@ -186,8 +186,8 @@ TEST(Fit, NothingChangesWithoutWork) {
   const auto before = c.nodes_mm;
   surface_fit::FitSettings settings;
   settings.aim = 0.15;
-  settings.most_work = 0;
-  EXPECT_GT(surface_fit::fit_faces(c, m, {}, settings), 0);
+  settings.max_work = 0;
+  EXPECT_GT(surface_fit::fit_surfaces(c, m, {}, settings), 0);
   EXPECT_EQ(c.nodes_mm.size(), before.size());
 }
 
@@ -198,7 +198,7 @@ TEST(Fit, OtherSurfacesStay) {
   surface_fit::FitSettings settings;
   settings.aim = 0.15;
   settings.labels = tetmesh::bit_of(5);
-  EXPECT_EQ(surface_fit::fit_faces(c, m, {}, settings), 0);
+  EXPECT_EQ(surface_fit::fit_surfaces(c, m, {}, settings), 0);
   ASSERT_EQ(c.nodes_mm.size(), before.size());
   EXPECT_EQ(std::memcmp(c.nodes_mm.data(), before.data(), before.size() * sizeof(Vec3)), 0);
 }
@@ -212,7 +212,7 @@ TEST(Fit, SameBitsForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 5}) {
     parallel::set_thread_count(threads);
     made.push_back(start);
-    surface_fit::fit_faces(made.back(), m, {}, settings);
+    surface_fit::fit_surfaces(made.back(), m, {}, settings);
   }
   parallel::set_thread_count(2);
   for (const auto& c : made) {
@@ -244,7 +244,7 @@ TEST(Fit, TailsGoBackToTheirRegion) {
   }
   tetmesh::derive_touches(c);
   ASSERT_GT(strays, 4);
-  EXPECT_EQ(surface_fit::fit_faces(c, m, {}, {}), 0);
+  EXPECT_EQ(surface_fit::fit_surfaces(c, m, {}, {}), 0);
   for (std::size_t t = 0; t < c.cells.size(); ++t) EXPECT_FALSE(is_stray(t)) << t;
   tetmesh::compress(c);
   EXPECT_EQ(defects(c), 0);

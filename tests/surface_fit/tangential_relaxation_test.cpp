@@ -35,7 +35,7 @@ std::vector<Materials> creased() {
 
 Complex balanced(const Materials& m) {
   auto c = mesh_of(m).complex;
-  surface_fit::balance_surfaces(c, m, least);
+  surface_fit::correct_surface_volumes(c, m, least);
   return c;
 }
 
@@ -72,7 +72,7 @@ TEST(Ease, FacesAcrossCreasesGetNearer) {
     const auto before = errors_of(c, m);
     const double quality = worst_quality(c);
     ASSERT_GT(before.many, 10U);
-    surface_fit::ease_faces(c, m, least, ~0U);
+    surface_fit::relax_tangentially(c, m, least, ~0U);
     const auto after = errors_of(c, m);
     EXPECT_LT(after.many, before.many / 2);
     EXPECT_LT(after.squares, 0.7 * before.squares);
@@ -86,10 +86,10 @@ TEST(Ease, FrozenNodesAndOtherSurfacesStay) {
   const auto m = creased()[0];
   const auto before = balanced(m);
   auto c = before;
-  surface_fit::ease_faces(c, m, least, tetmesh::bit_of(5));
+  surface_fit::relax_tangentially(c, m, least, tetmesh::bit_of(5));
   EXPECT_TRUE(same_nodes(c, before));
   c.frozen.assign(c.nodes_mm.size(), 1);
-  surface_fit::ease_faces(c, m, least, ~0U);
+  surface_fit::relax_tangentially(c, m, least, ~0U);
   EXPECT_TRUE(same_nodes(c, before));
 }
 
@@ -99,7 +99,7 @@ TEST(Ease, OuterSurfacesStay) {
                               6, 0.9);
   const auto before = balanced(m);
   auto c = before;
-  surface_fit::ease_faces(c, m, least, ~0U);
+  surface_fit::relax_tangentially(c, m, least, ~0U);
   EXPECT_TRUE(same_nodes(c, before));
 }
 
@@ -111,7 +111,7 @@ TEST(Ease, SameBitsForAnyNumberOfThreads) {
   for (const int count : {1, 2, 5}) {
     parallel::set_thread_count(count);
     made.push_back(start);
-    surface_fit::ease_faces(made.back(), m, least, ~0U);
+    surface_fit::relax_tangentially(made.back(), m, least, ~0U);
   }
   parallel::set_thread_count(threads);
   for (const auto& c : made) EXPECT_TRUE(same_nodes(c, made[0]));

@@ -172,7 +172,7 @@ int points_in_both(const Complex& c) {
 
 // Balls of cells, enough for several threads.
 Complex stuffed_ball() {
-  auto c = stuffing::stuff(
+  auto c = stuffing::stuff_isosurfaces(
       materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 9 - norm(p); }}, 11, 0.7), {});
   tetmesh::derive_touches(c);
   tetmesh::compress(c);
@@ -221,7 +221,7 @@ TEST(SurfaceFaces, RenewedOnesAreThoseOfANewSearch) {
   std::vector<std::int32_t> changed;
   for (std::size_t f = 0; f < faces.size(); f += 500) {
     const auto a = faces[f].nodes[0], b = faces[f].nodes[1];
-    const auto node = tetmesh::halve_edge(c, m, a, b);
+    const auto node = tetmesh::bisect_edge(c, m, a, b);
     if (node < 0) continue;
     changed.push_back(node);
     for (const auto t : c.star(node)) changed.insert(changed.end(), c.cell(t).begin(), c.cell(t).end());
@@ -242,9 +242,9 @@ TEST(SurfaceFaces, RenewedOnesAreThoseOfANewSearch) {
 
 TEST(Separate, SheetsThatPassThroughEachOtherAreDrawnBack) {
   auto c = two_tips(0.15);
-  ASSERT_GT(least_volume(c), 0);
+  ASSERT_GT(min_volume(c), 0);
   ASSERT_GT(points_in_both(c), 10);
-  EXPECT_EQ(surface_fit::separate_sheets(c, 0.1), 0);
+  EXPECT_EQ(surface_fit::resolve_self_intersections(c, 0.1), 0);
   EXPECT_EQ(points_in_both(c), 0);
   for (const auto& cell : c.cells) EXPECT_GT(tetmesh::quality(c, cell), 0.1);
 }
@@ -252,7 +252,7 @@ TEST(Separate, SheetsThatPassThroughEachOtherAreDrawnBack) {
 TEST(Separate, WhatDoesNotMeetStays) {
   auto c = two_tips(-0.05);
   const auto before = c.nodes_mm;
-  EXPECT_EQ(surface_fit::separate_sheets(c, 0.1), 0);
+  EXPECT_EQ(surface_fit::resolve_self_intersections(c, 0.1), 0);
   for (std::size_t n = 0; n < before.size(); ++n) EXPECT_EQ(norm(c.nodes_mm[n] - before[n]), 0);
 }
 
@@ -271,20 +271,22 @@ TEST(Separate, CellsThatCannotBeDrawnBackGo) {
   c.spacing_mm.insert(c.spacing_mm.end(), ball.spacing_mm.begin(), ball.spacing_mm.end());
   c.label.insert(c.label.end(), ball.label.begin(), ball.label.end());
   tetmesh::connect(c);
-  const auto meeting = [&] { return surface_fit::meeting_faces(c.nodes_mm, surface_fit::outer_faces(c)).size(); };
+  const auto meeting = [&] {
+    return surface_fit::self_intersecting_faces(c.nodes_mm, surface_fit::outer_faces(c)).size();
+  };
   ASSERT_GT(meeting(), 10U);
   auto gently = c;
-  ASSERT_GT(surface_fit::separate_gently(gently, 0.4885), 0);
-  EXPECT_EQ(surface_fit::separate_sheets(c, 0.4885), 0);
+  ASSERT_GT(surface_fit::resolve_self_intersections_gently(gently, 0.4885), 0);
+  EXPECT_EQ(surface_fit::resolve_self_intersections(c, 0.4885), 0);
   EXPECT_EQ(meeting(), 0U);
-  EXPECT_GT(least_volume(c), 0);
+  EXPECT_GT(min_volume(c), 0);
   EXPECT_EQ(defects(c), 0);
 }
 
 TEST(Separate, FrozenNodesStayAndTheirPairsAreCounted) {
   auto c = two_tips(0.15);
   c.frozen.assign(8, 1);
-  EXPECT_GT(surface_fit::separate_sheets(c, 0.1), 0);
+  EXPECT_GT(surface_fit::resolve_self_intersections(c, 0.1), 0);
   EXPECT_GT(points_in_both(c), 10);
 }
 

@@ -50,7 +50,7 @@ bool place_wedges(Complex& c, std::int32_t id, int wedges) {
 
 Tip tip_between(int wedges) {
   const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 6, 1);
-  Tip tip{stuffing::stuff(m, {})};
+  Tip tip{stuffing::stuff_isosurfaces(m, {})};
   auto& c = tip.complex;
   tetmesh::derive_touches(c);
   tetmesh::compress(c);
@@ -66,7 +66,7 @@ TEST(RelabelTip, FiveMaterialsMeet) {
   for (int wedges = 0; wedges <= 3; ++wedges) {
     auto [c, cell] = tip_between(wedges);
     ASSERT_GE(cell, 0);
-    EXPECT_TRUE(tetmesh::relabel_tip(c, cell)) << 2 + wedges << " materials";
+    EXPECT_TRUE(tetmesh::relabel_spike(c, cell)) << 2 + wedges << " materials";
     EXPECT_EQ(c.label_of(cell), 2);
     for (const auto n : c.cell(cell)) EXPECT_NE(c.bits(n) & tetmesh::bit_of(2), 0U);
     EXPECT_EQ(c.bits(c.cell(cell)[0]), tetmesh::bit_of(2)) << "the tip's own material is gone from its apex";
@@ -78,7 +78,7 @@ TEST(RelabelTip, NotWhereANodeIsFrozen) {
   ASSERT_GE(cell, 0);
   c.frozen.assign(c.nodes_mm.size(), 0);
   c.frozen[static_cast<std::size_t>(c.cell(cell)[2])] = 1;
-  EXPECT_FALSE(tetmesh::relabel_tip(c, cell)) << "cells beyond a place that was cut out are not seen";
+  EXPECT_FALSE(tetmesh::relabel_spike(c, cell)) << "cells beyond a place that was cut out are not seen";
   EXPECT_EQ(c.label_of(cell), 1);
 }
 
@@ -91,7 +91,7 @@ TEST(RelabelTip, NotWhereAMaterialWouldBeJoinedOrParted) {
     for (const auto n : c.cell(t)) shared += tetmesh::has(c.cell(cell), n) ? 1 : 0;
     if (shared == 1) c.label[static_cast<std::size_t>(t)] = 3;
   }
-  EXPECT_FALSE(tetmesh::relabel_tip(c, cell));
+  EXPECT_FALSE(tetmesh::relabel_spike(c, cell));
   EXPECT_EQ(c.label_of(cell), 1);
 }
 
@@ -107,7 +107,7 @@ TEST(Relabel, OnlyToALabelOfTheNeighbours) {
 // cell would part the ball there.
 TEST(Relabel, NotWhereTheMaterialWouldBePartedAtTheOutside) {
   const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 6, 1);
-  auto whole = stuffing::stuff(m, {});
+  auto whole = stuffing::stuff_isosurfaces(m, {});
   tetmesh::derive_touches(whole);
   tetmesh::compress(whole);
   std::fill(whole.label.begin(), whole.label.end(), std::uint8_t{2});
@@ -146,7 +146,7 @@ TEST(Relabel, NotWhereTheMaterialWouldBePartedAtTheOutside) {
 
 TEST(Relabel, CellsGoToTheOutsideOneByOneAndTheSurfaceStaysClosed) {
   const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 6, 1);
-  auto c = stuffing::stuff(m, {});
+  auto c = stuffing::stuff_isosurfaces(m, {});
   tetmesh::derive_touches(c);
   tetmesh::compress(c);
   const auto count = static_cast<std::int32_t>(c.cells.size());
@@ -163,13 +163,13 @@ TEST(Relabel, CellsGoToTheOutsideOneByOneAndTheSurfaceStaysClosed) {
     for (const auto n : cell) EXPECT_TRUE(is_outer(n) || c.star(n).empty());
   }
   EXPECT_GT(gone, count / 30);
-  EXPECT_GT(least_volume(c), 0);
+  EXPECT_GT(min_volume(c), 0);
   EXPECT_EQ(defects(c), 0);
 }
 
 TEST(Relabel, NotWhereMoreMaterialsMeetThanAreLookedAt) {
   auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 7, 1);
-  auto c = stuffing::stuff(m, {});
+  auto c = stuffing::stuff_isosurfaces(m, {});
   tetmesh::compress(c);
   for (std::size_t t = 0; t < c.cells.size(); ++t) c.label[t] = static_cast<std::uint8_t>(1 + t % 20);
   tetmesh::derive_touches(c);
@@ -184,14 +184,14 @@ TEST(Relabel, NotWhereMoreMaterialsMeetThanAreLookedAt) {
 
 TEST(PierceFace, PutsANodeOnTheSurfaceBehindTheMiddle) {
   const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 7, 2);
-  auto c = stuffing::stuff(m, {});
+  auto c = stuffing::stuff_isosurfaces(m, {});
   tetmesh::derive_touches(c);
   tetmesh::compress(c);
   const auto faces = tetmesh::surface_faces(c);
   ASSERT_GT(faces.size(), 50U);
   const double volume = volume_of(c, 1);
   const auto count = c.cells.size();
-  const auto node = tetmesh::pierce_face(c, m, faces[7].nodes);
+  const auto node = tetmesh::split_face(c, m, faces[7].nodes);
   ASSERT_GE(node, 0);
   EXPECT_NEAR(norm(c.at(node)), 5, 0.01);
   EXPECT_EQ(c.bits(node), tetmesh::bit_of(0) | tetmesh::bit_of(1));
@@ -199,18 +199,18 @@ TEST(PierceFace, PutsANodeOnTheSurfaceBehindTheMiddle) {
   tetmesh::compress(c);
   EXPECT_EQ(c.cells.size(), count + 2);
   EXPECT_GT(volume_of(c, 1), volume) << "a ball is convex: its surface lies beyond the middles of faces";
-  EXPECT_GT(least_volume(c), 0);
+  EXPECT_GT(min_volume(c), 0);
   EXPECT_EQ(defects(c), 0);
 }
 
 TEST(PierceFace, LeavesAFaceFarFromItsSurface) {
   const auto m = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 5 - norm(p); }}, 7, 2);
-  auto c = stuffing::stuff(m, {});
+  auto c = stuffing::stuff_isosurfaces(m, {});
   tetmesh::derive_touches(c);
   tetmesh::compress(c);
   const auto nodes = c.nodes_mm.size();
   const auto far = materials_of({[](const Vec3&) { return 0.0; }, [](const Vec3& p) { return 50 - norm(p); }}, 7, 2);
-  EXPECT_LT(tetmesh::pierce_face(c, far, tetmesh::surface_faces(c)[7].nodes), 0);
+  EXPECT_LT(tetmesh::split_face(c, far, tetmesh::surface_faces(c)[7].nodes), 0);
   EXPECT_EQ(c.nodes_mm.size(), nodes);
 }
 
@@ -235,7 +235,7 @@ TEST(ShrinkEdge, TheMeshStaysWholeAndItsSurfaceClosed) {
   }
   EXPECT_GT(shrunk, 20);
   EXPECT_GT(on_surface, 2);
-  EXPECT_GT(least_volume(c), 0);
+  EXPECT_GT(min_volume(c), 0);
   EXPECT_EQ(defects(c), 0);
 }
 

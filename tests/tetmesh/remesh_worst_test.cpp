@@ -49,11 +49,11 @@ TEST(Rescue, BadCellsAreMendedAndTheMeshStaysWhole) {
   auto c = bad_ball(m);
   const double volume = volume_of(c, 1);
   ASSERT_GT(cells_below(c).size(), 3U);
-  EXPECT_EQ(tetmesh::rescue(c, m, aims(), enough, tetmesh::OnFailure::stop), 0);
+  EXPECT_EQ(tetmesh::remesh_worst(c, m, aims(), enough, tetmesh::OnFailure::stop), 0);
   EXPECT_EQ(cells_below(c).size(), 0U);
   tetmesh::compress(c);
   EXPECT_EQ(defects(c), 0);
-  EXPECT_GT(least_volume(c), 0);
+  EXPECT_GT(min_volume(c), 0);
   EXPECT_NEAR(volume_of(c, 1), volume, 0.01 * volume);
 }
 
@@ -63,7 +63,7 @@ TEST(Rescue, FrozenNodesStayAndNothingGetsWorse) {
   c.frozen.assign(c.nodes_mm.size(), 1);
   const auto before = c.nodes_mm;
   const double worst = worst_of(c);
-  tetmesh::rescue(c, m, aims(), enough, tetmesh::OnFailure::go_on);
+  tetmesh::remesh_worst(c, m, aims(), enough, tetmesh::OnFailure::go_on);
   EXPECT_GE(worst_of(c), worst);
   for (std::size_t n = 0; n < before.size(); ++n) EXPECT_EQ(norm(c.nodes_mm[n] - before[n]), 0) << n;
 }
@@ -75,7 +75,7 @@ TEST(Rescue, SameBitsForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 3}) {
     parallel::set_thread_count(threads);
     auto c = bad_ball(m);
-    tetmesh::rescue(c, m, aims(), enough, tetmesh::OnFailure::stop);
+    tetmesh::remesh_worst(c, m, aims(), enough, tetmesh::OnFailure::stop);
     nodes.push_back(c.nodes_mm);
     cells.push_back(c.cells);
   }

@@ -98,7 +98,7 @@ inline double volume_of(const Complex& c, int label) {
   return sum;
 }
 
-inline double least_volume(const Complex& c) {
+inline double min_volume(const Complex& c) {
   double least = 1e300;
   for (const auto& cell : c.cells)
     if (cell[0] >= 0) least = std::min(least, volume_of(c, cell));
@@ -139,7 +139,7 @@ struct Meshed {
 
 /// Stuffed, without settling of labels, and repaired.
 inline Meshed mesh_of(const Materials& materials, const tetmesh::RepairSettings& settings = {}) {
-  Meshed result{stuffing::stuff(materials, {}), 0};
+  Meshed result{stuffing::stuff_isosurfaces(materials, {}), 0};
   tetmesh::derive_touches(result.complex);
   tetmesh::compress(result.complex);
   result.below_goal = tetmesh::repair(result.complex, materials, settings);

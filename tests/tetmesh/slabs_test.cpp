@@ -15,7 +15,7 @@ Complex long_rod() {
                                  return 3 - norm(Vec3{0.2 * p.x, p.y, p.z});
                                }},
                               16, 1);
-  auto c = stuffing::stuff(m, {});
+  auto c = stuffing::stuff_isosurfaces(m, {});
   tetmesh::derive_touches(c);
   tetmesh::compress(c);
   return c;

@@ -62,7 +62,7 @@ std::pair<std::size_t, double> components_by_spreading(const LabelVolume& labels
   const Grid& grid = labels.grid;
   std::vector<std::int64_t> number(labels.voxels.size());
   std::iota(number.begin(), number.end(), 0);
-  const auto least_around = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+  const auto min_around = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     auto least = number[static_cast<std::size_t>(grid.offset(i, j, k))];
     for (auto z = k - 1; z <= k + 1; ++z)
       for (auto y = j - 1; y <= j + 1; ++y)
@@ -80,7 +80,7 @@ std::pair<std::size_t, double> components_by_spreading(const LabelVolume& labels
         for (std::int64_t i = 0; i < grid.size[0]; ++i) {
           if (labels(i, j, k) != label) continue;
           auto& own = number[static_cast<std::size_t>(grid.offset(i, j, k))];
-          const auto least = least_around(i, j, k);
+          const auto least = min_around(i, j, k);
           changed = changed || least != own;
           own = least;
           ++size[own];

@@ -15,7 +15,7 @@ namespace heartgen {
 namespace {
 
 constexpr Vec3 middle_mm{40.3, 39.8, 40.1};
-constexpr double usual_smoothing_voxels = 2.2;  // what evens out the steps of exact labels
+constexpr double default_smoothing_voxels = 2.2;  // what evens out the steps of exact labels
 
 using Inside = std::function<bool(const Vec3& from_middle, std::size_t voxel)>;
 
@@ -62,20 +62,20 @@ TEST(EvenSurface, LumpsOfLabelsAreTakenAway) {
   constexpr double radius_mm = 28;
   const auto lump = lumps(2);
   const Mask sphere = filled([&](const Vec3& d, std::size_t v) { return norm(d) < radius_mm + lump.voxels[v]; });
-  const double usual = off_sphere_mm(image::signed_distance(sphere, usual_smoothing_voxels), radius_mm);
-  const double even = off_sphere_mm(ventricles::even_surface(sphere, Mask(sphere.grid, 1), 1), radius_mm);
+  const double usual = off_sphere_mm(image::signed_distance(sphere, default_smoothing_voxels), radius_mm);
+  const double even = off_sphere_mm(ventricles::regularized_surface(sphere, Mask(sphere.grid, 1), 1), radius_mm);
   EXPECT_LT(even, 0.75 * usual) << usual;
 }
 
 TEST(EvenSurface, AnExactSphereStaysWhereItIs) {
   constexpr double radius_mm = 28;
   const Mask sphere = filled([&](const Vec3& d, std::size_t) { return norm(d) < radius_mm; });
-  const double usual = off_sphere_mm(image::signed_distance(sphere, usual_smoothing_voxels), radius_mm);
-  const double even = off_sphere_mm(ventricles::even_surface(sphere, Mask(sphere.grid, 1), 1), radius_mm);
+  const double usual = off_sphere_mm(image::signed_distance(sphere, default_smoothing_voxels), radius_mm);
+  const double even = off_sphere_mm(ventricles::regularized_surface(sphere, Mask(sphere.grid, 1), 1), radius_mm);
   EXPECT_LT(even, usual + 0.005);
   EXPECT_LT(even, 0.05);
-  const auto seeing = ventricles::even_surface(image::signed_distance(sphere, 0), Mask(sphere.grid, 1), 1,
-                                               {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
+  const auto seeing = ventricles::regularized_surface(image::signed_distance(sphere, 0), Mask(sphere.grid, 1), 1,
+                                                      {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
   EXPECT_LT(off_sphere_mm(seeing, radius_mm), 0.05);
 }
 
@@ -91,8 +91,8 @@ TEST(EvenSurface, AGrooveKeepsItsBottom) {
   const Vec3 a = normalized({1, 0.4, 0.3}), line = normalized(cross(a, {0.2, 1, -0.5})), b = cross(line, a);
   const Mask groove = filled([&](const Vec3& d, std::size_t) { return dot(d, a) < 0 || dot(d, b) < 0; });
   const Mask own = filled([&](const Vec3& d, std::size_t) { return std::max(dot(d, a), dot(d, b)) > 14; });
-  const double usual = off_groove_mm(image::signed_distance(groove, usual_smoothing_voxels), line);
-  const double even = off_groove_mm(ventricles::even_surface(groove, own, 1), line);
+  const double usual = off_groove_mm(image::signed_distance(groove, default_smoothing_voxels), line);
+  const double even = off_groove_mm(ventricles::regularized_surface(groove, own, 1), line);
   EXPECT_GT(usual, 0.5);
   EXPECT_LT(even, 0.8 * usual) << usual;
 }
@@ -121,17 +121,17 @@ TEST(EvenSurface, TerracesOfWideSlicesAreNoShape) {
   });
   const auto distance = image::signed_distance(sliced, 0);
   const Mask own(sliced.grid, 1);
-  const double blind = off_top_mm(ventricles::even_surface(distance, own, 1), across_mm, along_mm);
+  const double blind = off_top_mm(ventricles::regularized_surface(distance, own, 1), across_mm, along_mm);
   const ventricles::LabelSteps steps_mm{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, slice_mm}};
-  const double seeing = off_top_mm(ventricles::even_surface(distance, own, 1, steps_mm), across_mm, along_mm);
+  const double seeing = off_top_mm(ventricles::regularized_surface(distance, own, 1, steps_mm), across_mm, along_mm);
   EXPECT_LT(seeing, 0.9 * blind) << blind;
 }
 
 TEST(EvenSurface, CoarseLabelsAndEmptyMasksAreSmoothedAsFarAsWallsBend) {
   const Mask sphere = filled([&](const Vec3& d, std::size_t) { return norm(d) < 28; });
-  const auto coarse = ventricles::even_surface(sphere, Mask(sphere.grid), 9);
+  const auto coarse = ventricles::regularized_surface(sphere, Mask(sphere.grid), 9);
   EXPECT_LT(off_sphere_mm(coarse, 28), 0.2);
-  const auto nothing = ventricles::even_surface(Mask(cube(20)), Mask(cube(20)), 1);
+  const auto nothing = ventricles::regularized_surface(Mask(cube(20)), Mask(cube(20)), 1);
   EXPECT_GT(nothing(10, 10, 10), 100);
 }
 

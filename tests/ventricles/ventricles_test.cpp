@@ -95,9 +95,8 @@ TEST(HeartHandedness, AMirroredPatientIsRefusedByName) {
   FiberSettings settings;
   settings.grid_mm = settings.depth_grid_mm = 3;
   try {
-    fibers::prepare_hearts(mirrored(heart.labels), {},
-                           ventricles::image_of_labels(heart.labels, fiber_at, heart.landmarks, 3), "phantom",
-                           settings);
+    fibers::register_pair(mirrored(heart.labels), {},
+                          ventricles::image_of_labels(heart.labels, fiber_at, heart.landmarks, 3), "phantom", settings);
     FAIL() << "a mirrored heart was accepted";
   } catch (const UserError& error) {
     EXPECT_NE(std::string(error.what()).find("the heart is mirrored"), std::string::npos) << error.what();
@@ -190,7 +189,7 @@ ContinuedTube continued_tube(const Vec3& along, const Vec3& axis, const Vec3& no
   const auto center = [&](std::size_t v) { return image::voxel_center(parts.grid, static_cast<std::int64_t>(v)); };
   for (std::size_t v = 0; v < parts.voxels.size(); ++v)
     if (depth_below_mm(plane, center(v)) >= 0) parts.voxels[v] = part_at(center(v));
-  continue_above(parts, plane, axis);
+  extrapolate_above_base(parts, plane, axis);
   ContinuedTube tube;
   for (std::size_t v = 0; v < parts.voxels.size(); ++v) {
     const Vec3 p = center(v);

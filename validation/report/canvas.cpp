@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "model/contract.hpp"
 #include "validation/report/stroke_font.hpp"
 
 namespace heartgen::report {
@@ -125,6 +126,7 @@ double text_width(std::string_view text, double height_px) {
 }
 
 Canvas downsampled(const Canvas& canvas, int factor) {
+  HEARTGEN_EXPECTS(factor > 0 && canvas.width % factor == 0 && canvas.height % factor == 0);
   Canvas small(canvas.width / factor, canvas.height / factor, Rgb{});
   const int area = factor * factor;
   for (int y = 0; y < small.height; ++y)

@@ -85,7 +85,7 @@ std::string warning_html(const Warning& warning) {
 
 /// Doubts, then warnings; the notes folded where there are many.
 std::string warnings_html(std::vector<Warning> warnings) {
-  constexpr std::size_t most_open = 4;
+  constexpr std::size_t max_open = 4;
   std::stable_sort(warnings.begin(), warnings.end(),
                    [](const Warning& a, const Warning& b) { return a.level > b.level; });
   const auto first_note =
@@ -93,9 +93,9 @@ std::string warnings_html(std::vector<Warning> warnings) {
   std::string open, folded;
   for (auto w = warnings.begin(); w != warnings.end(); ++w)
     (w < first_note || warnings.size() <= 2 ? open : folded) += warning_html(*w);
-  if (static_cast<std::size_t>(first_note - warnings.begin()) > most_open) {
+  if (static_cast<std::size_t>(first_note - warnings.begin()) > max_open) {
     folded.clear(), open.clear();
-    for (std::size_t w = 0; w < warnings.size(); ++w) (w < most_open ? open : folded) += warning_html(warnings[w]);
+    for (std::size_t w = 0; w < warnings.size(); ++w) (w < max_open ? open : folded) += warning_html(warnings[w]);
   }
   std::string html;
   if (!open.empty()) html += "<ul class=\"notes\">\n" + open + "</ul>\n";

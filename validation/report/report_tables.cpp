@@ -206,9 +206,9 @@ std::vector<RowsByScope> scopes_alike(const RowsByScope& scopes) {
 
 /// A pivot where that is shorter than a list and fits the page.
 std::string compact(const RowsByScope& scopes) {
-  constexpr std::size_t fewest_scopes = 3, most_metrics = 9;
+  constexpr std::size_t min_scopes = 3, max_metrics = 9;
   const auto metrics = metrics_of(scopes);
-  if (scopes.size() >= fewest_scopes && metrics.size() <= most_metrics) return pivot(scopes, metrics);
+  if (scopes.size() >= min_scopes && metrics.size() <= max_metrics) return pivot(scopes, metrics);
   std::vector<const ReportRow*> all;
   for (const auto& [scope, rows] : scopes) all.insert(all.end(), rows.begin(), rows.end());
   return table(all, true);
@@ -342,14 +342,14 @@ std::optional<double> row_value(const Report& report, std::string_view group, st
 }
 
 std::string flagged_rows_html(const Report& report, const ShownNames& shown) {
-  constexpr std::size_t most_open = 6;
+  constexpr std::size_t max_open = 6;
   const Rows all = flagged_rows(report);
   const std::span<const ReportRow* const> rows(all);
   if (rows.empty()) return "";
-  if (rows.size() <= most_open) return flagged_list(rows, shown);
-  return flagged_list(rows.first(most_open), shown) + fmt::format("<details><summary>{} more</summary>\n{}</details>\n",
-                                                                  rows.size() - most_open,
-                                                                  flagged_list(rows.subspan(most_open), shown));
+  if (rows.size() <= max_open) return flagged_list(rows, shown);
+  return flagged_list(rows.first(max_open), shown) + fmt::format("<details><summary>{} more</summary>\n{}</details>\n",
+                                                                 rows.size() - max_open,
+                                                                 flagged_list(rows.subspan(max_open), shown));
 }
 
 std::string certificate_html(const Report& report) {

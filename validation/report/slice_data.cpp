@@ -65,7 +65,7 @@ struct Sampling {
   Grid grid;
 };
 
-Sampling sampling_of(const LabelVolume& labels, const Box& box, std::int64_t most_voxels) {
+Sampling sampling_of(const LabelVolume& labels, const Box& box, std::int64_t max_voxels) {
   Sampling s{box, {1, 1, 1}, labels.grid};
   for (double target_mm = 0.7;; target_mm *= 1.1) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -74,7 +74,7 @@ Sampling sampling_of(const LabelVolume& labels, const Box& box, std::int64_t mos
       s.grid.size[a] = (box.last[a] - box.first[a]) / s.step[a] + 1;
       s.grid.spacing_mm[static_cast<int>(a)] = spacing * static_cast<double>(s.step[a]);
     }
-    if (s.grid.voxel_count() <= most_voxels) break;
+    if (s.grid.voxel_count() <= max_voxels) break;
   }
   s.grid.origin_mm = lps_from_index(labels.grid, {static_cast<double>(box.first[0]), static_cast<double>(box.first[1]),
                                                   static_cast<double>(box.first[2])});
@@ -121,19 +121,19 @@ struct GreyRange {
 
 /// Fat to a little above the brightest common blood, so that contrast shows its structure in any protocol.
 Json window_json(const std::vector<float>& grey, const std::vector<std::uint8_t>& labels, const GreyRange& range) {
-  constexpr double low_hu = -180, least_high_hu = 300;
+  constexpr double low_hu = -180, min_high_hu = 300;
   std::vector<double> blood;
   for (std::size_t v = 0; v < grey.size(); ++v)
     if (is_blood(static_cast<Region>(labels[v]))) blood.push_back(grey[v]);
-  const double high_hu = std::clamp(1.1 * validation::quantile(std::move(blood), 0.9), least_high_hu, range.high_hu);
+  const double high_hu = std::clamp(1.1 * validation::quantile(std::move(blood), 0.9), min_high_hu, range.high_hu);
   return {{"level", std::round((low_hu + high_hu) / 2)}, {"width", std::round(high_hu - low_hu)}};
 }
 
 GreyRange range_of(const std::vector<float>& grey) {
-  constexpr double most_hu = 1500;
+  constexpr double max_hu = 1500;
   GreyRange range;
   const double bright = validation::quantile({grey.begin(), grey.end()}, 0.999);
-  range.high_hu = std::clamp(std::ceil(bright / 50) * 50, range.high_hu, most_hu);
+  range.high_hu = std::clamp(std::ceil(bright / 50) * 50, range.high_hu, max_hu);
   return range;
 }
 
@@ -167,12 +167,12 @@ Json vec_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
-SliceData slice_data(const CtVolume* ct, const LabelVolume& labels, std::int64_t most_voxels) {
+SliceData slice_data(const CtVolume* ct, const LabelVolume& labels, std::int64_t max_voxels) {
   SliceData data;
   const Box box = heart_box(labels);
   if (box.empty()) return data;
   data.empty = false;
-  const Sampling s = sampling_of(labels, box, most_voxels);
+  const Sampling s = sampling_of(labels, box, max_voxels);
   const auto regions = sampled(s, [&](const Index3& at, const Vec3&) { return labels(at[0], at[1], at[2]); });
   Blob blob;
   Json index = {

@@ -15,8 +15,8 @@ struct SliceData {
 };
 
 /// The box of chambers and walls (of all labels where there are none) with a margin, every n-th voxel of the label
-/// map so that at most `most_voxels` are left; grey values are means over these steps where the CT is on the same grid.
+/// map so that at most `max_voxels` are left; grey values are means over these steps where the CT is on the same grid.
 /// `ct` may be null.
-SliceData slice_data(const CtVolume* ct, const LabelVolume& labels, std::int64_t most_voxels = 4'000'000);
+SliceData slice_data(const CtVolume* ct, const LabelVolume& labels, std::int64_t max_voxels = 4'000'000);
 
 }  // namespace heartgen::report

@@ -53,7 +53,7 @@ struct Walker {
 
   /// Mean axis of the corners along the triangle, with the sign of `heading`; nothing where it stands out of it.
   std::optional<Vec3> direction(std::int32_t t, const Vec3& heading) const {
-    constexpr double least_share = 0.34;  // 70 degrees
+    constexpr double min_share = 0.34;  // 70 degrees
     Vec3 sum;
     for (const auto id : part.triangles[static_cast<std::size_t>(t)]) {
       const Vec3& axis = part.fibers[id];
@@ -62,7 +62,7 @@ struct Walker {
     sum = normalized(sum);
     const Vec3 normal = normal_of(corners(t));
     const Vec3 along = sum - dot(sum, normal) * normal;
-    if (norm(along) < least_share) return std::nullopt;
+    if (norm(along) < min_share) return std::nullopt;
     return normalized(dot(along, heading) < 0 ? -along : along);
   }
 
@@ -89,9 +89,9 @@ struct Walker {
 
   void follow(std::int32_t t, Vec3 p, Vec3 heading, double length_mm, SurfaceLine& line) const {
     constexpr double flattest_fold = 0.3;  // cosine between the normals of neighbours
-    constexpr int most_triangles = 200;
+    constexpr int max_triangles = 200;
     std::size_t entered = 3;
-    for (int step = 0; step < most_triangles && length_mm > 0; ++step) {
+    for (int step = 0; step < max_triangles && length_mm > 0; ++step) {
       const auto d = direction(t, heading);
       const auto c = corners(t);
       if (!d) return;
@@ -144,13 +144,13 @@ std::vector<std::int32_t> seeds_of(const Walker& walker, double spacing_mm) {
 }  // namespace
 
 std::vector<SurfaceLine> surface_lines(const ViewPart& part, double spacing_mm, double length_mm) {
-  constexpr std::size_t fewest_points = 3;
+  constexpr std::size_t min_points = 3;
   std::vector<SurfaceLine> lines;
   if (part.fibers.empty()) return lines;
   const Walker walker{part, neighbours_of(part)};
   for (const auto seed : seeds_of(walker, spacing_mm)) {
     SurfaceLine line = walker.through(seed, length_mm);
-    if (line.points_mm.size() >= fewest_points) lines.push_back(std::move(line));
+    if (line.points_mm.size() >= min_points) lines.push_back(std::move(line));
   }
   return lines;
 }

@@ -179,7 +179,7 @@ Faces shown_faces(const TetMesh& mesh, const validation::BoundaryFaces& boundary
     const auto cell = static_cast<std::size_t>(boundary.cell[f]);
     faces.part.push_back(mesh.region[cell]);
     faces.surface.push_back(surface(faces.nodes[f]));
-    faces.quality_deg.push_back(degrees(validation::least_dihedral_deg(mesh, cell)));
+    faces.quality_deg.push_back(degrees(validation::min_dihedral_deg(mesh, cell)));
   }
   return faces;
 }

@@ -1,4 +1,4 @@
-#include "generator/mesh/settle_labels.hpp"
+#include "generator/mesh/label_repair.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -15,7 +15,7 @@ namespace heartgen::mesh {
 namespace {
 
 // The label across the most area of the group's outer faces, among those that `accept` takes; -1 if there is none.
-std::int32_t most_touched(const Tetrahedra& t, const std::vector<std::int32_t>& group, const auto& accept) {
+std::int32_t max_touched(const Tetrahedra& t, const std::vector<std::int32_t>& group, const auto& accept) {
   std::array<double, 64> area{};
   for (const auto cell : group)
     for (std::size_t corner = 0; corner < 4; ++corner) {
@@ -121,7 +121,7 @@ std::int64_t absorb_crumbs(Tetrahedra& t, std::int64_t crumb_cells, const Change
     if (looks.cell[static_cast<std::size_t>(seed)] != Look::unseen || !find_crumb(t, seed, crumb_cells, looks, piece))
       continue;
     const auto label = t.label_of(seed);
-    const auto other = most_touched(t, piece, [&](std::int32_t l) { return l != label; });
+    const auto other = max_touched(t, piece, [&](std::int32_t l) { return l != label; });
     if (other < 0) continue;
     for (const auto cell : piece) (*t.label)[static_cast<std::size_t>(cell)] = other;
     note_change(t, piece, made);
@@ -206,7 +206,7 @@ class Link {
     std::size_t i = 0;
     for (const auto n : cell) {
       if (n == node) continue;
-      places[i] = place_of(n);
+      places[i] = extract_cavity(n);
       if (places[i++] == slots) return false;
     }
     auto& open = open_[inside ? 1 : 0];
@@ -238,14 +238,14 @@ class Link {
   }
 
  private:
-  static constexpr std::size_t slots = 64, most_nodes = 48;
+  static constexpr std::size_t slots = 64, max_nodes = 48;
   static std::uint64_t bit(std::size_t place) { return std::uint64_t{1} << place; }
 
-  std::size_t place_of(std::int32_t n) {
+  std::size_t extract_cavity(std::int32_t n) {
     auto place = static_cast<std::size_t>(n) % slots;
     while (nodes_[place] != n) {
       if (nodes_[place] == none) {
-        if (++count_ > most_nodes) return slots;
+        if (++count_ > max_nodes) return slots;
         nodes_[place] = n;
         break;
       }
@@ -286,7 +286,7 @@ std::vector<std::int32_t> mend(Tetrahedra& t, std::int32_t node, const LabelSet&
   const Part* part = parts.size() > 2 ? part_to_change(parts, only_inner) : nullptr;
   if (!part) return {};
   const auto other =
-      most_touched(t, part->cells, [&](std::int32_t l) { return set[static_cast<std::size_t>(l)] != part->inside; });
+      max_touched(t, part->cells, [&](std::int32_t l) { return set[static_cast<std::size_t>(l)] != part->inside; });
   if (other < 0) return {};
   for (const auto cell : part->cells) (*t.label)[static_cast<std::size_t>(cell)] = other;
   return part->cells;
@@ -306,10 +306,10 @@ std::vector<std::uint8_t> nodes_to_mend(const Tetrahedra& t, const LabelSet& set
 // ever: from round `shrinking_from` on the set may only shrink, which must come to an end.
 std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set, int shrinking_from, const Changes& changes,
                            Changes& made) {
-  constexpr int most_rounds = 60;
+  constexpr int max_rounds = 60;
   auto wanted = nodes_to_mend(t, set, changes);
   std::int64_t changed = 0;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     std::vector<std::uint8_t> next(wanted.size(), 0);
     bool any = false;
     for (std::size_t n = 0; n < wanted.size(); ++n) {
@@ -332,10 +332,10 @@ std::int64_t make_manifold(Tetrahedra& t, const LabelSet& set, int shrinking_fro
 
 }  // namespace
 
-std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
+std::int64_t repair_labels(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
                            std::vector<std::int32_t>& label, std::span<const LabelSet> manifold_sets,
                            std::int64_t crumb_cells) {
-  constexpr int most_rounds = 8, crumb_rounds = 2, usually_shrinking_from = 8;
+  constexpr int max_rounds = 8, crumb_rounds = 2, usually_shrinking_from = 8;
   constexpr int quarrel_rounds = 4;  // what one set has filled until then, another one takes away again
   auto t = connect(nodes_mm, cells, label);
   std::int64_t total = 0;
@@ -350,7 +350,7 @@ std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<
     add(made, for_crumbs);
     for (auto& of_set : changes) add(made, of_set);
   };
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     // The two steps can undo each other's work for ever; a manifold boundary matters more than a crumb.
     std::int64_t changed = 0;
     Changes made(nodes, 0);

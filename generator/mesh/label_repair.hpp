@@ -17,7 +17,7 @@ using LabelSet = std::array<bool, 64>;
 /// `crumb_cells` cells that hang together through faces take the label of the neighbour they share most area with.
 /// Then, around every vertex where a set of labels or its complement falls apart, the smallest part changes sides.
 /// Returns the number of cells that changed. Vertices that resist are left; the certificate counts them.
-std::int64_t settle_labels(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
+std::int64_t repair_labels(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
                            std::vector<std::int32_t>& label, std::span<const LabelSet> manifold_sets,
                            std::int64_t crumb_cells);
 

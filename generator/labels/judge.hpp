@@ -23,7 +23,7 @@ void refuse_another_task(const adapters::LabelImage& image, const LabelVolume& l
 std::string fitting_preset(const adapters::LabelImage& image);
 
 /// Throws UserError for chambers that no heart with a left ventricle's wall has side by side, such as a right ventricle
-/// of 3 ml at a left one of 120 ml, and for exchanged regions (exchanged.hpp).
+/// of 3 ml at a left one of 120 ml, and for exchanged regions (swapped_labels.hpp).
 void refuse_no_heart(const LabelVolume& labels, const std::string& path);
 
 /// Throws UserError, naming `path`, where more than a tenth of the labels' heart lies in air or lung of the CT, or much

@@ -23,7 +23,7 @@ struct FoundLandmarks {
 };
 
 /// `ct` shows the whole heart and lungs beside it; the field of view may end before the spine. Grids of any spacing,
-/// orientation and direction; padding that cuts lungs open is closed beforehand (segment/padding.hpp). The same bits
+/// orientation and direction; padding that cuts lungs open is closed beforehand (anatomy/padding.hpp). The same bits
 /// for any number of threads. Throws UserError for grey values that are no Hounsfield units, and, saying which seeds to
 /// give by hand, where there is no contrast, no heart, no pool with a shell of muscle, or no left atrium and aorta next
 /// to it. Not collective: call it on the root.

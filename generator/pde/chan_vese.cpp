@@ -34,7 +34,7 @@ constexpr int descent_passes = 10;
 struct Relaxation {
   AxisWeights dual_step, primal_step;
   LinearForce force;               ///< times the primal step
-  RowRuns free;                    ///< what is left to be solved, see decided.hpp
+  RowRuns free;                    ///< what is left to be solved, see safe_screening.hpp
   RowRuns whole_links, cut_links;  ///< its links: those in the domain wholly, and those that its border may cut
 };
 

@@ -10,8 +10,9 @@
 // global minimum; over c the result is a fixed point, reached from the best two classes of the histogram. mu = 0 is
 // thresholding at those, done without iterations.
 //
-// Most voxels are decided before the first sweep, by their grey value and their neighbours' (decided.hpp, exact); the
-// sweeps visit the others only. At the end single voxels change sides where that lowers the energy (descend.hpp).
+// Most voxels are decided before the first sweep, by their grey value and their neighbours' (safe_screening.hpp,
+// exact); the sweeps visit the others only. At the end single voxels change sides where that lowers the energy
+// (coordinate_descent.hpp).
 //
 // What mu weighs: TV by isotropic forward differences, which measures too much where edges are sharp. Where the relaxed
 // field goes from 0 to 1 over two to four voxels: 3 to 5 % for a ball, -1 to 11 % for planes of any direction. On a

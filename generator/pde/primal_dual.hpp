@@ -11,6 +11,7 @@
 #include "generator/parallel/slab.hpp"
 #include "generator/pde/row_kernels.hpp"
 #include "generator/pde/row_runs.hpp"
+#include "generator/pde/spacing.hpp"
 #include "generator/pde/wavefront.hpp"
 
 namespace heartgen::pde {
@@ -32,14 +33,6 @@ inline PrimalDualFields make_primal_dual(parallel::Slab<float> u, const parallel
   f.pz = parallel::make_slab_like<float>(u, 1);
   f.u = std::move(u);
   return f;
-}
-
-inline double smallest_spacing(const Grid& grid) {
-  double smallest = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    if (grid.size[static_cast<std::size_t>(axis)] > 1 && (smallest == 0 || grid.spacing_mm[axis] < smallest))
-      smallest = grid.spacing_mm[axis];
-  return smallest > 0 ? smallest : 1;
 }
 
 /// Smallest spacing / spacing along each axis, times `factor`; 0 along an axis with one voxel.

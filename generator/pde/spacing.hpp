@@ -1,4 +1,4 @@
-// Private to this folder: lengths of a grid, over the axes that have more than one voxel.
+// Lengths of a grid, over the axes that have more than one voxel.
 #pragma once
 #include <algorithm>
 
@@ -6,6 +6,7 @@
 
 namespace heartgen::pde {
 
+/// 1 for a single voxel.
 inline double smallest_spacing(const Grid& grid) {
   double smallest = 1e30;
   for (std::size_t axis = 0; axis < 3; ++axis)

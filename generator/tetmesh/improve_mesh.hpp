@@ -26,7 +26,7 @@ struct ImprovedMesh {
 };
 
 /// `region` may hold any values, at most 23 different ones, or be empty. The least quality of all cells (see
-/// lattice/quality.hpp) never falls. Where sliding would take a surface farther than `slide_mm`, the mesh is improved
+/// tetmesh/quality.hpp) never falls. Where sliding would take a surface farther than `slide_mm`, the mesh is improved
 /// with fixed surfaces instead. Deterministic, for any number of threads.
 /// Throws UserError for settings out of range, more regions, cells that name missing nodes, a face of three cells.
 ImprovedMesh improve_mesh(const std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,

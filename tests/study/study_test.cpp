@@ -8,6 +8,7 @@
 
 #include "benchmarks/study/convergence.hpp"
 #include "benchmarks/study/studies.hpp"
+#include "support/data.hpp"
 
 namespace heartgen::study {
 namespace {
@@ -68,7 +69,7 @@ TEST(Study, PlotsAreDrawnInsideTheirFrame) {
 }
 
 TEST(Study, WritesOnePageAndItsParts) {
-  const auto folder = std::filesystem::temp_directory_path() / "heart_study_test";
+  const auto folder = testing::scratch_folder("study");
   std::filesystem::remove_all(folder);
   StudyResult study{"s",
                     "Title",

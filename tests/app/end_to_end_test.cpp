@@ -90,7 +90,7 @@ TEST_F(EndToEnd, LabelsAgreeWithTheTruth) {
 
 TEST_F(EndToEnd, FibresAgreeWithTheTruth) {
   EXPECT_LE(value("fibers", "lv_myocardium", "axis_error_mean"), 15);
-  EXPECT_LE(value("fibers", "ventricles", "axis_error_mean"), 15);  // the right one alone: see CHANGELOG
+  EXPECT_LE(value("fibers", "ventricles", "axis_error_mean"), 15);  // the right one alone: see docs/limitations.md
   EXPECT_GE(value("fibers", "lv_myocardium", "compared_fraction"), 0.8);
 }
 

@@ -21,7 +21,7 @@ CLIENT_FORMATS := $(subst $(empty) $(empty),$(comma),vtk vtu msh msh-ascii msh2 
 FUZZ_SECONDS := 60
 FUZZ_KINDS := $(notdir $(wildcard tests/fuzz/corpus/*))
 
-.PHONY: all lab demo test test-clients test-machines chaos bench rooms asan tsan fuzz format clean
+.PHONY: all lab demo test test-clients test-machines chaos bench rooms asan tsan fuzz format check tidy clean
 all: $(HEARTGEN)
 
 lab: $(BUILD)/build.ninja
@@ -119,6 +119,16 @@ fuzz: build/fuzz.stamp
 
 format:
 	clang-format -i $$(git ls-files '*.hpp' '*.cpp')
+
+# Format, and headers that compile alone.
+check: $(BUILD)/build.ninja
+	clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
+	.ci/check-headers $(BUILD)
+
+# clang-tidy on what differs from BASE (default: the last commit).
+BASE := HEAD~1
+tidy: $(BUILD)/build.ninja
+	git diff --name-only --diff-filter=d $(BASE) -- '*.cpp' | xargs -r -P $(JOBS) -n 1 clang-tidy -quiet -p $(BUILD)
 
 clean:
 	rm -rf $(BUILD) build/asan build/tsan build/fuzz demo

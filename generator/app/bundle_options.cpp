@@ -11,8 +11,10 @@ using command_line::on_root;
 
 void add_build(Program& p) {
   auto* sub =
-      add_command(p.line, "build", "Build a model bundle from a recipe and a CT",
-                  "heartgen build recipe.toml --ct patient.nii.gz --output bundle\n"
+      add_command(p.line, "build", "Build a model bundle from a CT or labels",
+                  "heartgen build --ct patient.nii.gz --output bundle\n"
+                  "With settings of one's own:\n"
+                  "  heartgen build recipe.toml --ct patient.nii.gz --output bundle\n"
                   "Labels from elsewhere; what they lack (thin walls, body) is made from the CT:\n"
                   "  heartgen build recipe.toml --ct ct.nii.gz --labels masks --preset totalsegmentator -o bundle\n"
                   "Correct one stage by hand:\n"
@@ -20,7 +22,7 @@ void add_build(Program& p) {
                   "  (edit stages/chambers.nii.gz; in the recipe: [replace] chambers = \"stages/chambers.nii.gz\")\n"
                   "  heartgen build recipe.toml -o corrected",
                   [&p] { return build_command(p.build, p.line.comm); });
-  sub->add_option("recipe", p.build.recipe, "recipe (.toml)")->required();
+  sub->add_option("recipe", p.build.recipe, "recipe (.toml; default: every setting's default)");
   sub->add_option("--ct", p.build.ct, "CT volume or DICOM folder, instead of the recipe's");
   sub->add_option("--labels", p.build.labels,
                   "labels from elsewhere: an image, or a folder with one mask per structure; what they lack is made "

@@ -144,7 +144,8 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   pipeline::BuildOptions options;
   if (command.output.empty()) throw UserError("no folder is named", "--output", "name the folder of the bundle");
   // Every rank reads the recipe, so that all fail or go on together.
-  recipe = read_recipe(command.recipe);
+  recipe.segmentation = default_segmentation();
+  if (!command.recipe.empty()) recipe = read_recipe(command.recipe);
   if (!command.ct.empty()) recipe.input.ct = command.ct;
   if (!command.labels.empty()) recipe.input.labels = command.labels;
   if (!command.preset.empty()) recipe.labels.preset = command.preset;

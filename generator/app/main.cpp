@@ -11,5 +11,6 @@ int main(int argc, char** argv) {
                                      program.emplace(app::Program{line});
                                      app::add_bundle_options(*program);
                                      app::add_tool_options(*program);
+                                     app::group_by_road(*program);
                                    });
 }

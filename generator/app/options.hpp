@@ -45,5 +45,6 @@ constexpr const char* mesh_kinds =
 
 void add_bundle_options(Program& p);  ///< what makes, checks and hands on bundles
 void add_tool_options(Program& p);    ///< single steps on images, label maps and meshes
+void group_by_road(Program& p);       ///< the order of --help: what a user has, and then does with it
 
 }  // namespace heartgen::app

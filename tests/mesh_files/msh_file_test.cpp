@@ -28,7 +28,7 @@ const std::string version_4 =
     "$Elements\n3 3 1 3\n2 4 2 1\n1 10 20 30\n3 1 4 1\n2 10 20 30 40\n3 2 4 1\n3 20 30 40 50\n$EndElements\n";
 
 std::filesystem::path file_with(const std::string& name, const std::string& text) {
-  const auto path = testing::scratch_root() / (name + ".msh");
+  const auto path = heartgen::testing::scratch_root() / (name + ".msh");
   write_text(path, text);
   return path;
 }

@@ -50,8 +50,9 @@ benchmarks::Table watched(const Benchmark& bench, std::size_t n, std::size_t cou
                           const benchmarks::Settings& settings, const parallel::Comm& comm) {
   if (!comm.is_root()) return bench.run(settings, comm);
   tell(fmt::format("{} ({} of {}): {}", bench.name, n, count, bench.help));
-  const pipeline::Heartbeat heartbeat(pipeline::longest_silence,
-                              [&](double seconds) { tell(fmt::format("{}: {:.0f} s so far", bench.name, seconds)); });
+  const pipeline::Heartbeat heartbeat(pipeline::longest_silence, [&](double seconds) {
+    tell(fmt::format("{}: {:.0f} s so far", bench.name, seconds));
+  });
   return bench.run(settings, comm);
 }
 

@@ -37,9 +37,10 @@ constexpr double kept_quality = 0.5116;
 
 /// What the mesh is made for.
 struct LatticeAims {
-  double enough = 0.4885;           ///< quality: where no cell is below, nothing is tried again: angles in [29, 145]
-  tetmesh::LabelBits fitted = ~0U;  ///< surfaces of these are followed closely everywhere (surface_fit/surface_fitting.hpp)
-  int tolerated = 0;                ///< nor where it is only so many (are_few_below)
+  double enough = 0.4885;  ///< quality: where no cell is below, nothing is tried again: angles in [29, 145]
+  tetmesh::LabelBits fitted =
+      ~0U;               ///< surfaces of these are followed closely everywhere (surface_fit/surface_fitting.hpp)
+  int tolerated = 0;     ///< nor where it is only so many (are_few_below)
   bool refines = false;  ///< where labels do not fit into the lattice, edges become shorter: for surfaces that are
                          ///< smooth, else too much does not fit
 };

@@ -9,8 +9,8 @@
 
 #include "model/error.hpp"
 #include "model/text.hpp"
-#include "support/files.hpp"
 #include "support/data.hpp"
+#include "support/files.hpp"
 
 namespace {
 

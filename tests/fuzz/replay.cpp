@@ -1,6 +1,6 @@
-// The corpus, and random changes of it, without libFuzzer: replay CORPUS SECONDS [SEED]. The changes are the same in
-// every run of a seed; a slow machine has time for fewer of them. What a reader does not survive stays where the first
-// line says.
+// The corpus, and random changes of it, without libFuzzer: replay CORPUS SECONDS [SEED [FILES [KIND...]]]. The changes
+// are the same in every run of a seed; a slow machine has time for fewer of them. What a reader does not survive stays
+// where the first line says.
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -26,16 +26,15 @@ namespace fs = std::filesystem;
 using namespace heartgen;
 
 constexpr unsigned slowest_s = 60;  // for one file; three times what a library may take for a small one
-constexpr std::size_t max_files = 40'000;
 constexpr rlim_t max_bytes = rlim_t{8} << 30;
 
 struct Seed {
   std::string kind, bytes;
 };
 
-std::vector<Seed> corpus(const fs::path& folder) {
+std::vector<Seed> corpus(const fs::path& folder, const std::vector<std::string>& kinds) {
   std::vector<Seed> seeds;
-  for (const auto& kind : fuzz::kinds()) {
+  for (const auto& kind : kinds) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(folder / kind)) files.push_back(entry.path());
     std::sort(files.begin(), files.end());
@@ -88,18 +87,25 @@ bool answered(const Seed& seed, const std::string& folder) {
   return false;
 }
 
-int replay(const fs::path& folder, double seconds, std::uint64_t random_seed) {
+struct Extent {
+  double seconds = 60;
+  std::uint64_t random_seed = 1;
+  std::size_t files = 40'000;
+  std::vector<std::string> kinds = fuzz::kinds();
+};
+
+int replay(const fs::path& folder, const Extent& extent) {
   const auto scratch = testing::scratch_folder(fmt::format("fuzz_{}", getpid())).string();
   fmt::print("the file at hand is in {}\n", scratch);
   std::fflush(stdout);
   fuzz::limit_memory();
-  const auto seeds = corpus(folder);
+  const auto seeds = corpus(folder, extent.kinds);
   for (const auto& seed : seeds)
     if (!answered(seed, scratch)) return 1;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  Random random(random_seed);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(extent.seconds);
+  Random random(extent.random_seed);
   std::size_t count = seeds.size();
-  for (; count < max_files && std::chrono::steady_clock::now() < end; ++count) {
+  for (; count < extent.files && std::chrono::steady_clock::now() < end; ++count) {
     Seed seed = seeds[count % seeds.size()];
     const auto& other = seeds[below(random, seeds.size())];
     for (auto changes = 1 + below(random, 4); changes > 0; --changes) change(seed.bytes, other.bytes, random);
@@ -118,5 +124,10 @@ int main(int argc, char** argv) {
   const rlimit limit{max_bytes, max_bytes};
   setrlimit(RLIMIT_AS, &limit);
 #endif
-  return replay(argv[1], std::atof(argv[2]), argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);
+  Extent extent;
+  extent.seconds = std::atof(argv[2]);
+  if (argc > 3) extent.random_seed = std::strtoull(argv[3], nullptr, 10);
+  if (argc > 4) extent.files = std::strtoull(argv[4], nullptr, 10);
+  if (argc > 5) extent.kinds.assign(argv + 5, argv + argc);
+  return replay(argv[1], extent);
 }

@@ -102,7 +102,7 @@ void add_backend(Table& table, const char* backend, const LabelVolume& labels) {
   add("greatest dihedral angle", value_of(rows, "dihedral_max"), "degrees", "");
   add("surfaces to its level sets, p99", value_of(rows, "to_level_set_p99_in_edges"), "edges", "");
   add("level sets to its surfaces, p99", value_of(rows, "from_level_set_p99_in_edges"), "edges", "");
-  add("curves to the label map's, p99", value_of(rows, "curve_to_level_set_p99_in_edges"), "edges",
+  add("curves to the level sets', p99", value_of(rows, "curve_to_level_set_p99_in_edges"), "edges",
       "where three regions meet");
   add("worst volume of a region", volume.value, "%", volume.scope);
   add("red rows of the certificate", static_cast<double>(red.size()), "", fmt::format("{}", fmt::join(red, ", ")));

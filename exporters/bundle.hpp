@@ -1,5 +1,5 @@
 // A model bundle on disk: write, read, check. Layout and manifest as the bundle's own README.md explains them.
-// The content id is the SHA-256 over the sorted lines "path sha256\n" of all files but manifest.json and logs/.
+// The content id covers the manifest, all but its inputs and tools, and so every file but logs/*.log.
 // Nothing that it covers holds a time stamp, host name or absolute path. Not collective; call on one rank.
 #pragma once
 #include <cstdint>

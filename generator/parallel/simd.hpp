@@ -2,8 +2,8 @@
 // that the machine has is chosen at run time.
 //
 // Every version does the same IEEE operations in the same order for each element (no fused multiply-add, no
-// reassociation, no approximate instructions), so all give the same bits. Files with such loops are listed in their
-// folder's CMakeLists.txt for the flags that let the vectoriser use square roots and selections.
+// reassociation, no approximate instructions), so all give the same bits. Files with such loops are listed in
+// cmake/rooms.cmake for the flags that let the vectoriser use square roots and selections.
 #pragma once
 #include <cstdint>
 

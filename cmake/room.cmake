@@ -1,7 +1,7 @@
 # heartgen_room(NAME FOLDER folder SENTENCE "what it knows" DEPENDS room... [LIBRARIES foreign target...] [PARTS])
 # A room is one folder, one namespace and one library, heartgen_NAME. DEPENDS lists every room whose headers it includes,
-# and no other: tests/architecture compares. PARTS: its folder's
-# CMakeLists.txt makes a library for each of its parts, so that nobody links what it does not use.
+# and no other: tests/architecture compares. PARTS: its
+# folder's CMakeLists.txt makes a library for each of its parts, so that nobody links what it does not use.
 function(heartgen_room name)
   cmake_parse_arguments(room "PARTS" "FOLDER;SENTENCE" "DEPENDS;LIBRARIES" ${ARGN})
   if(room_PARTS)

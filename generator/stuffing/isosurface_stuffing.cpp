@@ -20,19 +20,23 @@
 namespace heartgen::stuffing {
 namespace {
 
+using tetmesh::Complex;
+using tetmesh::LabelBits;
+using tetmesh::Materials;
+
 using Edge = std::pair<std::int32_t, std::int32_t>;
 
 // Of an edge to find where it crosses: 1/256 of its length, or 1/32 where the place is projected onto the surface
 // anyway.
 constexpr int halvings = 8, halvings_to_snap = 5;
 
-std::int64_t node_count(const tetmesh::Complex& c) { return static_cast<std::int64_t>(c.nodes_mm.size()); }
-std::int64_t cell_count(const tetmesh::Complex& c) { return static_cast<std::int64_t>(c.cells.size()); }
+std::int64_t node_count(const Complex& c) { return static_cast<std::int64_t>(c.nodes_mm.size()); }
+std::int64_t cell_count(const Complex& c) { return static_cast<std::int64_t>(c.cells.size()); }
 
 // Labels of the nodes as `touches`. Cells all of whose nodes are outside are left out (label 0), but for those around
 // the nodes of the others: what the outside looks like around a node is seen only where all its cells are there.
-tetmesh::Complex label_lattice(Background background) {
-  tetmesh::Complex c;
+Complex label_lattice(Background background) {
+  Complex c;
   c.nodes_mm = std::move(background.nodes_mm);
   c.spacing_mm = std::move(background.spacing_mm);
   c.touches = std::move(background.sides);
@@ -63,21 +67,19 @@ tetmesh::Complex label_lattice(Background background) {
   return c;
 }
 
-constexpr tetmesh::LabelBits label_bits = ~(tetmesh::side_bits | tetmesh::hull_bit);
+constexpr LabelBits label_bits = ~(tetmesh::side_bits | tetmesh::hull_bit);
 
-tetmesh::LabelBits labels_of(const tetmesh::Complex& c, std::int32_t node) { return c.bits(node) & label_bits; }
-bool is_on_feature(const tetmesh::Complex& c, std::int32_t node) { return tetmesh::is_constrained(labels_of(c, node)); }
-bool crosses(const tetmesh::Complex& c, std::int32_t a, std::int32_t b) {
-  return (labels_of(c, a) & labels_of(c, b)) == 0;
-}
+LabelBits labels_of(const Complex& c, std::int32_t node) { return c.bits(node) & label_bits; }
+bool is_on_feature(const Complex& c, std::int32_t node) { return tetmesh::is_constrained(labels_of(c, node)); }
+bool crosses(const Complex& c, std::int32_t a, std::int32_t b) { return (labels_of(c, a) & labels_of(c, b)) == 0; }
 
-tetmesh::LabelBits common_labels(const tetmesh::Complex& c, const Cell& cell) {
+LabelBits common_labels(const Complex& c, const Cell& cell) {
   return labels_of(c, cell[0]) & labels_of(c, cell[1]) & labels_of(c, cell[2]) & labels_of(c, cell[3]);
 }
 
 // Of each cell, what `property` says.
 template <class Property>
-std::vector<std::uint8_t> mark_cells(const tetmesh::Complex& c, const Property& property) {
+std::vector<std::uint8_t> mark_cells(const Complex& c, const Property& property) {
   std::vector<std::uint8_t> marks(c.cells.size());
   parallel::parallel_for(0, cell_count(c), [&](std::int64_t begin, std::int64_t end) {
     for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t)
@@ -92,7 +94,7 @@ void add_once(std::vector<std::int32_t>& nodes, std::int32_t node) {
 }
 
 // The edges that cross, ascending.
-std::vector<Edge> crossing_edges(const tetmesh::Complex& c) {
+std::vector<Edge> crossing_edges(const Complex& c) {
   const auto is_crossed = mark_cells(c, [&](const Cell& cell) { return common_labels(c, cell) == 0; });
   return parallel::gather<Edge>(0, node_count(c), [&](std::int64_t begin, std::int64_t end, std::vector<Edge>& edges) {
     std::vector<std::int32_t> others;
@@ -111,7 +113,7 @@ std::vector<Edge> crossing_edges(const tetmesh::Complex& c) {
 }
 
 // Only those in cells at the nodes from `first_node` on.
-std::vector<Edge> crossing_edges_from(const tetmesh::Complex& c, std::int64_t first_node) {
+std::vector<Edge> crossing_edges_from(const Complex& c, std::int64_t first_node) {
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<Edge>& edges) {
     for (auto node = begin; node < end; ++node)
       for (const auto t : c.star(static_cast<std::int32_t>(node))) {
@@ -126,32 +128,32 @@ std::vector<Edge> crossing_edges_from(const tetmesh::Complex& c, std::int64_t fi
 
 /// Where an edge leaves the labels of its first node.
 struct Crossing {
-  double share = 0;               ///< of the edge, from the first node
-  tetmesh::LabelBits labels = 0;  ///< on the two sides
-  Vec3 point;                     ///< there
+  double share = 0;      ///< of the edge, from the first node
+  LabelBits labels = 0;  ///< on the two sides
+  Vec3 point;            ///< there
 };
 
-Crossing find_crossing(const tetmesh::Materials& materials, const tetmesh::Complex& c, const Edge& edge, int steps) {
-  const tetmesh::LabelBits own = labels_of(c, edge.first);
+Crossing find_crossing(const Materials& materials, const Complex& c, const Edge& edge, int steps) {
+  const LabelBits own = labels_of(c, edge.first);
   const Vec3 start = c.at(edge.first), way = c.at(edge.second) - start;
   double low = 0, high = 1;
-  tetmesh::LabelBits before = 0, after = 0;
+  LabelBits before = 0, after = 0;
   for (int i = 0; i < steps; ++i) {
     const double middle = 0.5 * (low + high);
-    const tetmesh::LabelBits label = tetmesh::bit_of(materials.label_at(start + middle * way));
+    const LabelBits label = tetmesh::bit_of(materials.label_at(start + middle * way));
     const bool inside = (label & own) != 0;
     (inside ? low : high) = middle;
     (inside ? before : after) = label;
   }
-  const auto any = [](tetmesh::LabelBits bits) { return bits & (~bits + 1); };
+  const auto any = [](LabelBits bits) { return bits & (~bits + 1); };
   if (before == 0) before = any(own);
   if (after == 0) after = any(labels_of(c, edge.second));
   const double share = 0.5 * (low + high);
   return {share, before | after, start + share * way};
 }
 
-std::vector<Crossing> find_crossings(const tetmesh::Materials& materials, const tetmesh::Complex& c,
-                                     const std::vector<Edge>& edges, int steps) {
+std::vector<Crossing> find_crossings(const Materials& materials, const Complex& c, const std::vector<Edge>& edges,
+                                     int steps) {
   std::vector<Crossing> crossings(edges.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(edges.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e)
@@ -164,7 +166,7 @@ std::vector<Crossing> find_crossings(const tetmesh::Materials& materials, const 
 struct CurveSnap {
   double distance;  ///< relative
   std::int32_t node;
-  tetmesh::LabelBits labels;  ///< that the node would touch
+  LabelBits labels;  ///< that the node would touch
   Vec3 target;
   Face face;  ///< through which the curve goes
   bool operator<(const CurveSnap& other) const {
@@ -174,7 +176,7 @@ struct CurveSnap {
 };
 
 // Faces whose nodes have three different labels: a curve goes through them.
-std::vector<Face> pierced_faces(const tetmesh::Complex& c) {
+std::vector<Face> pierced_faces(const Complex& c) {
   return parallel::gather_sorted<Face>(
       0, cell_count(c), [&](std::int64_t begin, std::int64_t end, std::vector<Face>& faces) {
         for (auto t = begin; t < end; ++t) {
@@ -191,14 +193,14 @@ std::vector<Face> pierced_faces(const tetmesh::Complex& c) {
       });
 }
 
-std::vector<CurveSnap> curve_snaps(const tetmesh::Materials& materials, const tetmesh::Complex& c,
-                                   const std::vector<Face>& faces, double reach) {
+std::vector<CurveSnap> curve_snaps(const Materials& materials, const Complex& c, const std::vector<Face>& faces,
+                                   double reach) {
   constexpr int newton_steps = 6;
   std::vector<std::array<CurveSnap, 3>> found(faces.size());
   parallel::parallel_for(0, static_cast<std::int64_t>(faces.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
       const Face& face = faces[f];
-      const tetmesh::LabelBits labels = labels_of(c, face[0]) | labels_of(c, face[1]) | labels_of(c, face[2]);
+      const LabelBits labels = labels_of(c, face[0]) | labels_of(c, face[1]) | labels_of(c, face[2]);
       const Vec3 center = (c.at(face[0]) + c.at(face[1]) + c.at(face[2])) / 3;
       for (std::size_t i = 0; i < 3; ++i) {
         const auto node = face[i];
@@ -221,7 +223,7 @@ std::vector<CurveSnap> curve_snaps(const tetmesh::Materials& materials, const te
   return snaps;
 }
 
-void snap_to_curves(const tetmesh::Materials& materials, tetmesh::Complex& c, const StuffSettings& settings) {
+void snap_to_curves(const Materials& materials, Complex& c, const StuffSettings& settings) {
   for (const auto& snap : curve_snaps(materials, c, pierced_faces(c), settings.curve_reach)) {
     const bool is_open = crosses(c, snap.face[0], snap.face[1]) && crosses(c, snap.face[1], snap.face[2]) &&
                          crosses(c, snap.face[0], snap.face[2]);
@@ -240,7 +242,7 @@ struct SurfaceSnap {
   }
 };
 
-std::vector<SurfaceSnap> surface_snaps(const tetmesh::Complex& c, const std::vector<Edge>& edges,
+std::vector<SurfaceSnap> surface_snaps(const Complex& c, const std::vector<Edge>& edges,
                                        const std::vector<Crossing>& crossings, double reach) {
   const auto find = [&](std::int64_t begin, std::int64_t end, std::vector<SurfaceSnap>& snaps) {
     for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e) {
@@ -259,7 +261,7 @@ std::vector<SurfaceSnap> surface_snaps(const tetmesh::Complex& c, const std::vec
   return parallel::gather_sorted<SurfaceSnap>(0, static_cast<std::int64_t>(edges.size()), find);
 }
 
-void snap_to_surfaces(const tetmesh::Materials& materials, tetmesh::Complex& c, const StuffSettings& settings) {
+void snap_to_surfaces(const Materials& materials, Complex& c, const StuffSettings& settings) {
   const auto edges = crossing_edges(c);
   const auto crossings = find_crossings(materials, c, edges, halvings_to_snap);
   const auto snaps = surface_snaps(c, edges, crossings, settings.edge_reach);
@@ -267,7 +269,7 @@ void snap_to_surfaces(const tetmesh::Materials& materials, tetmesh::Complex& c, 
     const auto node = snaps[i].node;
     const auto e = static_cast<std::size_t>(snaps[i].edge);
     if (is_on_feature(c, node) || !crosses(c, edges[e].first, edges[e].second)) return;
-    const tetmesh::LabelBits labels = crossings[e].labels, sides = c.bits(node) & tetmesh::side_bits;
+    const LabelBits labels = crossings[e].labels, sides = c.bits(node) & tetmesh::side_bits;
     const Vec3 target = tetmesh::project(materials, sides | labels, crossings[e].point, 2);
     if (norm(target - crossings[e].point) > 0.25 * static_cast<double>(c.spacing_mm[static_cast<std::size_t>(node)]))
       return;
@@ -279,7 +281,7 @@ void snap_to_surfaces(const tetmesh::Materials& materials, tetmesh::Complex& c, 
       [&](std::size_t i) { return c.at(snaps[i].node); }, snap_one);
 }
 
-void split_edge(tetmesh::Complex& c, const Edge& edge, std::int32_t middle) {
+void split_edge(Complex& c, const Edge& edge, std::int32_t middle) {
   std::vector<std::int32_t> ring;
   for (const auto t : c.star(edge.first))
     if (tetmesh::has(c.cell(t), edge.second)) ring.push_back(t);
@@ -300,8 +302,7 @@ struct Cut {
   Crossing crossing;
 };
 
-std::vector<Cut> cuts_of(const tetmesh::Materials& materials, const tetmesh::Complex& c,
-                         const std::vector<Edge>& edges) {
+std::vector<Cut> cuts_of(const Materials& materials, const Complex& c, const std::vector<Edge>& edges) {
   const auto crossings = find_crossings(materials, c, edges, halvings);
   std::vector<Cut> cuts;
   cuts.reserve(edges.size());
@@ -310,7 +311,7 @@ std::vector<Cut> cuts_of(const tetmesh::Materials& materials, const tetmesh::Com
 }
 
 // Edges from a node on a surface to one that has no label but one of its own, in the star of the first.
-void collect_edges_off_surface(const tetmesh::Complex& c, std::int32_t node, std::vector<std::int32_t>& others) {
+void collect_edges_off_surface(const Complex& c, std::int32_t node, std::vector<std::int32_t>& others) {
   others.clear();
   if (!is_on_feature(c, node)) return;
   for (const auto t : c.star(node))
@@ -319,10 +320,10 @@ void collect_edges_off_surface(const tetmesh::Complex& c, std::int32_t node, std
 }
 
 // Edges from a node to later ones of the same label, in cells with a node on a surface.
-void collect_edges_beside_surface(const tetmesh::Complex& c, const std::vector<std::uint8_t>& is_at_surface,
-                                  std::int32_t node, std::vector<std::int32_t>& others) {
+void collect_edges_beside_surface(const Complex& c, const std::vector<std::uint8_t>& is_at_surface, std::int32_t node,
+                                  std::vector<std::int32_t>& others) {
   others.clear();
-  const tetmesh::LabelBits own = labels_of(c, node);
+  const LabelBits own = labels_of(c, node);
   if (is_on_feature(c, node)) return;
   for (const auto t : c.star(node)) {
     if (is_at_surface[static_cast<std::size_t>(t)] == 0) continue;
@@ -333,23 +334,23 @@ void collect_edges_beside_surface(const tetmesh::Complex& c, const std::vector<s
 
 // Where an edge whose ends have a label in common leaves a sheet of another material that it goes through; no labels
 // where there is none. No label tells such an edge from others.
-Crossing find_hidden_crossing(const tetmesh::Materials& materials, const tetmesh::Complex& c, const Edge& edge) {
+Crossing find_hidden_crossing(const Materials& materials, const Complex& c, const Edge& edge) {
   constexpr std::array sampled{0.5, 0.25};  // of the edge
   constexpr double min_depth = 0.1;         // of the lattice's width: the surface may be a little curved
   const Vec3 start = c.at(edge.first), way = c.at(edge.second) - start;
-  const tetmesh::LabelBits own = labels_of(c, edge.second);
+  const LabelBits own = labels_of(c, edge.second);
   const double spacing = static_cast<double>(c.spacing_mm[static_cast<std::size_t>(edge.first)]);
   for (const double share : sampled) {
     const Vec3 sample = start + share * way;
-    const tetmesh::LabelBits between = tetmesh::bit_of(materials.label_at(sample));
+    const LabelBits between = tetmesh::bit_of(materials.label_at(sample));
     if (between == own ||
         tetmesh::distance_to(tetmesh::feature_at(materials, between | own, sample)) < min_depth * spacing)
       continue;
     double low = share, high = 1;
-    tetmesh::LabelBits after = own;
+    LabelBits after = own;
     for (int i = 0; i < halvings; ++i) {
       const double middle = 0.5 * (low + high);
-      const tetmesh::LabelBits label = tetmesh::bit_of(materials.label_at(start + middle * way));
+      const LabelBits label = tetmesh::bit_of(materials.label_at(start + middle * way));
       (label == between ? low : high) = middle;
       if (label != between) after = label;
     }
@@ -361,7 +362,7 @@ Crossing find_hidden_crossing(const tetmesh::Materials& materials, const tetmesh
 
 // Of the edges that `collect` finds at the nodes from `first_node` on.
 template <class Collect>
-std::vector<Cut> hidden_cuts(const tetmesh::Materials& materials, const tetmesh::Complex& c, std::int64_t first_node,
+std::vector<Cut> hidden_cuts(const Materials& materials, const Complex& c, std::int64_t first_node,
                              const Collect& collect) {
   return parallel::gather<Cut>(first_node, node_count(c),
                                [&](std::int64_t begin, std::int64_t end, std::vector<Cut>& cuts) {
@@ -380,7 +381,7 @@ std::vector<Cut> hidden_cuts(const tetmesh::Materials& materials, const tetmesh:
 
 // Divides an edge. At a crossing very near to a node, or on an edge that is `never_divided`, the node touches both
 // sides where it is.
-void cut_edge(tetmesh::Complex& c, const Cut& cut, bool never_divided) {
+void cut_edge(Complex& c, const Cut& cut, bool never_divided) {
   constexpr double near = 0.08;
   const auto [a, b] = cut.edge;
   const double share = cut.crossing.share;
@@ -389,13 +390,13 @@ void cut_edge(tetmesh::Complex& c, const Cut& cut, bool never_divided) {
     c.touches[static_cast<std::size_t>(nearer)] |= cut.crossing.labels | labels_of(c, share < 0.5 ? b : a);
     return;
   }
-  const tetmesh::LabelBits sides = c.bits(a) & c.bits(b) & tetmesh::side_bits;
+  const LabelBits sides = c.bits(a) & c.bits(b) & tetmesh::side_bits;
   const float spacing = std::min(c.spacing_mm[static_cast<std::size_t>(a)], c.spacing_mm[static_cast<std::size_t>(b)]);
   split_edge(c, cut.edge, tetmesh::add_node(c, cut.crossing.point, sides | cut.crossing.labels, spacing));
 }
 
 // Whether the two parts of every cell around an edge that is divided at `point` are good enough.
-bool may_divide(const tetmesh::Complex& c, const Edge& edge, const Vec3& point, double least) {
+bool may_divide(const Complex& c, const Edge& edge, const Vec3& point, double least) {
   for (const auto t : c.star(edge.first)) {
     const Cell& cell = c.cell(t);
     if (!tetmesh::has(cell, edge.second)) continue;
@@ -408,7 +409,7 @@ bool may_divide(const tetmesh::Complex& c, const Edge& edge, const Vec3& point, 
 }
 
 // A sheet that an edge goes through unseen is no reason for cells that nothing can repair.
-void cut_hidden_edge(tetmesh::Complex& c, const Cut& cut) {
+void cut_hidden_edge(Complex& c, const Cut& cut) {
   constexpr double least = 0.02;
   const auto b = cut.edge.second;
   if (is_on_feature(c, b) || (labels_of(c, b) & cut.crossing.labels) == 0) return;
@@ -416,7 +417,7 @@ void cut_hidden_edge(tetmesh::Complex& c, const Cut& cut) {
 }
 
 // Divides edges until none crosses. Whatever is divided, only edges at new nodes can cross after that.
-void cut_open(const tetmesh::Materials& materials, tetmesh::Complex& c, std::vector<Edge> edges) {
+void cut_open(const Materials& materials, Complex& c, std::vector<Edge> edges) {
   constexpr int max_rounds = 6;
   for (int round = 0; round < max_rounds && !edges.empty(); ++round) {
     const auto first_node = node_count(c);
@@ -427,7 +428,7 @@ void cut_open(const tetmesh::Materials& materials, tetmesh::Complex& c, std::vec
 }
 
 // Divides edges where they cross.
-void cut_edges(const tetmesh::Materials& materials, tetmesh::Complex& c) {
+void cut_edges(const Materials& materials, Complex& c) {
   constexpr int max_rounds = 6;
   cut_open(materials, c, crossing_edges(c));
   const auto cut_hidden = [&](std::int64_t first_node, const auto& collect) {
@@ -452,12 +453,12 @@ void cut_edges(const tetmesh::Materials& materials, tetmesh::Complex& c) {
   }
 }
 
-void label_cells(const tetmesh::Materials& materials, tetmesh::Complex& c) {
+void label_cells(const Materials& materials, Complex& c) {
   parallel::parallel_for(0, static_cast<std::int64_t>(c.cells.size()), [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Cell& cell = c.cells[i];
       if (cell[0] < 0) continue;
-      const tetmesh::LabelBits common = common_labels(c, cell);
+      const LabelBits common = common_labels(c, cell);
       if (std::popcount(common) == 1) {
         c.label[i] = static_cast<std::uint8_t>(std::countr_zero(common));
         continue;
@@ -471,7 +472,7 @@ void label_cells(const tetmesh::Materials& materials, tetmesh::Complex& c) {
 }
 
 // Free slots out, cells with label 0 kept.
-void close_gaps(tetmesh::Complex& c) {
+void close_gaps(Complex& c) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < c.cells.size(); ++i) {
     if (c.cells[i][0] < 0) continue;
@@ -484,8 +485,7 @@ void close_gaps(tetmesh::Complex& c) {
 
 }  // namespace
 
-tetmesh::Complex stuff_isosurfaces(const tetmesh::Materials& materials, const Lattice& lattice,
-                                   const StuffSettings& settings) {
+Complex stuff_isosurfaces(const Materials& materials, const Lattice& lattice, const StuffSettings& settings) {
   auto c = label_lattice(make_background(lattice.tree, materials.label_at, lattice.near));
   snap_to_curves(materials, c, settings);
   snap_to_surfaces(materials, c, settings);
@@ -495,7 +495,7 @@ tetmesh::Complex stuff_isosurfaces(const tetmesh::Materials& materials, const La
   return c;
 }
 
-tetmesh::Complex stuff_isosurfaces(const tetmesh::Materials& materials, const StuffSettings& settings) {
+Complex stuff_isosurfaces(const Materials& materials, const StuffSettings& settings) {
   return stuff_isosurfaces(materials, build_background_lattice(materials), settings);
 }
 

@@ -8,7 +8,7 @@
 namespace heartgen::surface_fit {
 
 void project_to_curves(tetmesh::Complex& complex, const tetmesh::Materials& materials, double min_quality) {
-  HEARTGEN_INVARIANT(tetmesh::has_derived_touches(complex));
+  HEARTGEN_INVARIANT(tetmesh::touches_hold_labels(complex));
   constexpr int rounds = 3;  // nodes make room for each other
   constexpr int newton_steps = 5, tries = 4;
   constexpr double near = 0.02, far = 0.7;  // of the lattice's width: there already, and another curve

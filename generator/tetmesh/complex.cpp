@@ -200,6 +200,14 @@ bool has_derived_touches(const Complex& complex) {
   return std::equal(derived.touches.begin(), derived.touches.end(), complex.touches.begin(), is_same);
 }
 
+bool touches_hold_labels(const Complex& complex) {
+  for (std::size_t t = 0; t < complex.cells.size(); ++t)
+    if (complex.cells[t][0] >= 0)
+      for (const auto n : complex.cells[t])
+        if ((complex.bits(n) & bit_of(complex.label[t])) == 0) return false;
+  return true;
+}
+
 namespace {
 
 // Moves what is kept of some arrays of one size to their beginning, in its order: threads inside blocks, then blocks.

@@ -78,6 +78,10 @@ void derive_touches(Complex& complex);
 /// Whether `touches` is what derive_touches makes of the cells; touches of the outside, which no cell tells, apart.
 bool has_derived_touches(const Complex& complex);
 
+/// Whether every node touches at least the labels of its cells. Repairs keep that; touches that a cell has left behind
+/// stay until derive_touches.
+bool touches_hold_labels(const Complex& complex);
+
 /// Drops free slots, cells with `label` 0 and nodes without cells; keeps the order, and the qualities where there is
 /// one for each cell. Leaves the stars as they were.
 void drop_unused(Complex& complex);

@@ -68,33 +68,27 @@ Arrows arrows() {
   return found;
 }
 
-TEST(Rooms, Graph) {
-  auto seen = arrows();
-  for (const auto& room : declared()) {
-    std::vector<std::string> to;
-    for (const auto& [folder, count] : seen[room.folder])
-      to.push_back(fmt::format("{} {}", fs::path(folder).filename().string(), count));
-    fmt::print("{:<13} {}\n              -> {}\n", room.name, room.sentence, fmt::join(to, ", "));
-  }
-}
-
 TEST(Rooms, EveryFolderIsOne) {
   std::set<std::string> folders;
   for (const auto& room : declared()) EXPECT_TRUE(folders.insert(room.folder).second) << room.folder;
   for (const auto& source : sources()) EXPECT_TRUE(folders.count(folder_of(source))) << source;
 }
 
+/// Prints them too, with how many includes each stands for.
 TEST(Rooms, ArrowsAreTheDeclaredOnes) {
   std::map<std::string, std::string> name_of;
   for (const auto& room : declared()) name_of[room.folder] = room.name;
   auto seen = arrows();
   for (const auto& room : declared()) {
     std::set<std::string> included;
+    std::vector<std::string> counts;
     for (const auto& [folder, count] : seen[room.folder]) {
       ASSERT_TRUE(name_of.count(folder)) << room.folder << " includes " << folder;
       included.insert(name_of[folder]);
+      counts.push_back(fmt::format("{} {}", name_of[folder], count));
     }
     EXPECT_EQ(included, room.depends) << room.name;
+    fmt::print("{:<13} {}\n              -> {}\n", room.name, room.sentence, fmt::join(counts, ", "));
   }
 }
 

@@ -141,7 +141,7 @@ TEST_P(OnUnusualHeart, ValvesAreNearTheTruth) {
 // touches the chest wall has no section of its own there; bright blood shows through the artery's wall; the strong
 // right ventricle's wall is thicker than the left one's.
 INSTANTIATE_TEST_SUITE_P(
-    RegisteredPair, OnUnusualHeart,
+    Hearts, OnUnusualHeart,
     ::testing::Values(Unusual{"thick", 0, {16, {}, {}, {}}, 22, {{"tricuspid", 4}}},
                       Unusual{"squeezed", 11, {15.5, 5, 0.91, Vec3{-17, -2, -11}}, 22, {{"tricuspid", 4}}},
                       Unusual{"large", 3, {{}, {}, 1.25, {}}, 22, {{"tricuspid", 4}, {"aortic", 4}}},

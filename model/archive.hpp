@@ -1,6 +1,8 @@
-// Plain data as bytes in this machine's own layout: for the cache, and on the way from one process to another.
-// Which members a struct has is said once, by `members` in the struct's namespace; a member that it forgets does not
-// compile.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Plain data as bytes in this machine's own layout: for the cache, and on the way from one process to another.
+/// Which members a struct has is said once, by `members` in the struct's namespace; a member that it forgets does not
+/// compile.
 #pragma once
 #include <cstddef>
 #include <cstdint>

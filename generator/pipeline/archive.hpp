@@ -1,4 +1,6 @@
-// Stage results as bytes, for the cache. A cache never leaves the machine: its key holds the program's own hash.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Stage results as bytes, for the cache. A cache never leaves the machine: its key holds the program's own hash.
 #pragma once
 #include <cstring>
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Structs that tell their members, and one that forgets one.
 #include "model/archive.hpp"
 

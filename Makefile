@@ -21,7 +21,7 @@ CLIENT_FORMATS := $(subst $(empty) $(empty),$(comma),vtk vtu msh msh-ascii msh2 
 FUZZ_SECONDS := 60
 FUZZ_KINDS := $(notdir $(wildcard tests/fuzz/corpus/*))
 
-.PHONY: all lab demo test test-clients test-machines chaos bench rooms asan tsan fuzz format check tidy clean
+.PHONY: all lab demo test test-clients test-machines chaos bench rooms asan tsan fuzz docs format check tidy clean
 all: $(HEARTGEN)
 
 lab: $(BUILD)/build.ninja
@@ -119,6 +119,12 @@ fuzz: build/fuzz.stamp
 
 format:
 	clang-format -i $$(git ls-files '*.hpp' '*.cpp')
+
+# README and the headers as a site, in build/docs/html.
+docs: build/docs.stamp
+	mkdir -p build/docs
+	doxygen docs/Doxyfile
+	@echo "Open build/docs/html/index.html ($$(wc -l < build/docs/warnings.txt) warnings in build/docs/warnings.txt)"
 
 # Format, and headers that compile alone.
 check: $(BUILD)/build.ninja

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The back ends of the mesher on one label map, measured by the certificate, which knows nothing of them.
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,5 +1,7 @@
-// The measured speeds of the image stages, next to the limits of the machine they run on. Nothing here is a test:
-// figures depend on the machine and on what else it does.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The measured speeds of the image stages, next to the limits of the machine they run on. Nothing here is a test:
+/// figures depend on the machine and on what else it does.
 #pragma once
 #include <functional>
 

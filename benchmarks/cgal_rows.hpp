@@ -1,4 +1,6 @@
-// CGAL's Mesh_3 on the domain that the lattice mesher has just meshed.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// CGAL's Mesh_3 on the domain that the lattice mesher has just meshed.
 #pragma once
 #include <string>
 

@@ -1,4 +1,6 @@
-// What the mesh benchmarks measure on a complex of the lattice mesher.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the mesh benchmarks measure on a complex of the lattice mesher.
 #pragma once
 #include <cstdint>
 

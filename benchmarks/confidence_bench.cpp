@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // How well the confidence of automatic landmarks parts right from wrong: phantoms of many patients, grids, noises and
 // poses, scans spoiled on purpose, and the public scans in the folder HEARTGEN_DATA where that is set.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Every export format with a mesh as large as the thesis's myocardium.
 #include <fmt/format.h>
 

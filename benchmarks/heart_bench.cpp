@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The image stages on a phantom of the thesis's size.
 #include <fmt/format.h>
 

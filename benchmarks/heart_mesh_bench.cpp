@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The walls of a label map as five regions: alone, next to CGAL's Mesh_3 on the same level sets, and with the blood.
 #include <fmt/format.h>
 

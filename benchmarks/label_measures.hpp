@@ -1,4 +1,6 @@
-// What the benchmarks of label maps measure on their meshes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the benchmarks of label maps measure on their meshes.
 #pragma once
 #include <array>
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Meshes of label maps: heart and torso, trachea and carotid, the 2D slice.
 #include <fmt/format.h>
 

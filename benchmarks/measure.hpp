@@ -1,4 +1,6 @@
-// What the benchmarks measure with: times, memory, the machine's own limits.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the benchmarks measure with: times, memory, the machine's own limits.
 #pragma once
 #include <cstdint>
 #include <functional>

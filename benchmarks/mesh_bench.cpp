@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The lattice mesher on analytic domains: angles, distances, volumes, times, next to CGAL's Mesh_3.
 #include <fmt/format.h>
 

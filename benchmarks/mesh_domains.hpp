@@ -1,4 +1,6 @@
-// Analytic domains for the mesher's benchmark: a thesis-size pair of ventricles, and walls of random shape.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Analytic domains for the mesher's benchmark: a thesis-size pair of ventricles, and walls of random shape.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// What the mesh benchmarks measure on a mesh.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the mesh benchmarks measure on a mesh.
 #pragma once
 #include <array>
 #include <vector>

@@ -1,4 +1,6 @@
-// Images that cost nothing to make: balls of blood in muscle, with noise.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Images that cost nothing to make: balls of blood in muscle, with noise.
 #pragma once
 #include <cstdint>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Abaqus and CalculiX, NAME.inp to be included by a model: nodes, C3D4 elements in an element set per region (and ALL),
 // per surface a node set N_SURFACE and a face surface SURFACE (both sides' numbering starts at 1), and, where there are
 // fibres, the orientation FIBERS: a distribution of fibre and sheet per element, coordinate axes where there is no

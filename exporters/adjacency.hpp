@@ -1,4 +1,6 @@
-// Which cells a labelled face belongs to.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Which cells a labelled face belongs to.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,6 +1,8 @@
-// A model bundle on disk: write, read, check. Layout and manifest as the bundle's own README.md explains them.
-// The content id covers the manifest, all but its inputs and tools, and so every file but logs/*.log.
-// Nothing that it covers holds a time stamp, host name or absolute path. Not collective; call on one rank.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A model bundle on disk: write, read, check. Layout and manifest as the bundle's own README.md explains them.
+/// The content id covers the manifest, all but its inputs and tools, and so every file but logs/*.log.
+/// Nothing that it covers holds a time stamp, host name or absolute path. Not collective; call on one rank.
 #pragma once
 #include <cstdint>
 #include <filesystem>

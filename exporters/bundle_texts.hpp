@@ -1,4 +1,6 @@
-// The texts of a bundle that people and catalogues read. All are functions of the bundle's content alone.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The texts of a bundle that people and catalogues read. All are functions of the bundle's content alone.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,6 @@
-// A certificate as JSON: validation/metrics.json of a bundle, and what `--json` prints.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A certificate as JSON: validation/metrics.json of a bundle, and what `--json` prints.
 #pragma once
 #include <filesystem>
 #include <string>

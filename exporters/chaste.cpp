@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Chaste: NAME.node, .ele (attribute = region), .face (the outer boundary only: Chaste takes every face for boundary;
 // attribute = surface), and .ortho: fibre, sheet and sheet normal per element. Ids are 0-based. Chaste wants
 // orthonormal axes everywhere, so elements without fibres get the coordinate axes.

@@ -1,4 +1,6 @@
-// Parts of a mesh for export: some of its regions, or its faces without those inside.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Parts of a mesh for export: some of its regions, or its faces without those inside.
 #pragma once
 #include <set>
 #include <span>

@@ -1,4 +1,6 @@
-// What comes with an export beside the mesh: a page that says what was written, and the smallest input that runs.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What comes with an export beside the mesh: a page that says what was written, and the smallest input that runs.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // FEBio .feb 4.0 with the mesh alone, NAME.feb, to be included by a model: nodes, tet4 elements in a part per region,
 // surfaces and node sets by name, and in MeshData the material axes per element (a: fibre, d: sheet) of every part with
 // fibres. Ids are 1-based. So FEBio reads them: FEBioMeshSection4.cpp and FEBioMeshDataSection4.cpp in its FEBioXML/.

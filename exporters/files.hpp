@@ -1,4 +1,6 @@
-// Small helpers around whole files and paths inside a bundle.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Small helpers around whole files and paths inside a bundle.
 #pragma once
 #include <filesystem>
 #include <string>

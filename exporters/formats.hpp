@@ -1,5 +1,7 @@
-// The functions behind the table of registry.hpp; one .cpp per format. All throw UserError when a file cannot be
-// written.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The functions behind the table of registry.hpp; one .cpp per format. All throw UserError when a file cannot be
+/// written.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -1,4 +1,6 @@
-// manifest.json: made from a bundle, written, read, checked against itself.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// manifest.json: made from a bundle, written, read, checked against itself.
 #pragma once
 #include <string>
 #include <vector>

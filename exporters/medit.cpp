@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Medit .mesh (version 2, text) for FreeFEM, mmg and TetGen: tetrahedra with reference = region, triangles (outer ones
 // and interfaces) with reference = surface; ids 1-based. Fibres: NAME_fiber.txt, NAME_sheet.txt, the number of
 // tetrahedra and a vector for each, in the mesh's order.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // MFEM mesh v1.0: elements with attribute = region, boundary triangles (outer ones and interfaces) with attribute =
 // surface. Fibres as GridFunctions, NAME_fiber.gf, NAME_sheet.gf: one constant vector per element, in the mesh's order.
 #include "exporters/formats.hpp"

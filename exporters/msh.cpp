@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // gmsh .msh 4.1 (text, binary) and 2.2 (text). One discrete entity and one physical group per region and per surface,
 // both with the tag of the bundle, so that gmsh keeps the names when it writes the mesh again. Node ids are those of
 // the bundle plus one, and nodes stand in that order: 4.1 wants them grouped by entity, so a run of neighbouring ids on

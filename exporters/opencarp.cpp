@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // openCARP: points, elements (tag = region), fibre and sheet per element (zero where there is no muscle), as text
 // (.pts .elem .lon) or binary (.bpts .belem .blon); per surface the nodes (.vtx) and triangles (.surf), per rim the
 // nodes. Ids are 0-based. Its reader keeps numbers as 32-bit floats: they are written as the shortest text that gives

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // OpenFOAM: the case NAME with
 //   constant/polyMesh   points faces owner neighbour boundary; a patch per outer surface; cellZones: the regions;
 //                       faceZones: surfaces inside the mesh, a face is flipped where its owner has the higher region

@@ -1,5 +1,7 @@
-// A buffered file for export formats. Numbers are written by fmt: shortest text that reads back to the same double,
-// whatever the locale.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A buffered file for export formats. Numbers are written by fmt: shortest text that reads back to the same double,
+/// whatever the locale.
 #pragma once
 #include <fmt/compile.h>
 #include <fmt/format.h>

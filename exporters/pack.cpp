@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A bundle as one deterministic .tar.zst, and back.
 #include <archive.h>
 #include <archive_entry.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "exporters/poly_faces.hpp"
 
 #include <algorithm>

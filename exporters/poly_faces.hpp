@@ -1,4 +1,6 @@
-// Every face of a mesh once, in the order that finite-volume codes want.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Every face of a mesh once, in the order that finite-volume codes want.
 #pragma once
 #include <cstdint>
 #include <vector>

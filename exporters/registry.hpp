@@ -1,4 +1,6 @@
-// Every export format in one table. Not collective; call on one rank.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Every export format in one table. Not collective; call on one rank.
 #pragma once
 #include <filesystem>
 #include <span>

@@ -1,4 +1,6 @@
-// The place where a bundle will stand, kept for one run while it makes the bundle.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The place where a bundle will stand, kept for one run while it makes the bundle.
 #pragma once
 #include <filesystem>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Every named surface in a file of its own, NAME_SURFACE.*, as printers and viewers read it: STL (binary, 32-bit), PLY
 // (binary, 64-bit), OBJ (text), VTP. Triangles look out of the mesh, between two regions out of the lower one.
 #include <algorithm>

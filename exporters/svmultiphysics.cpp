@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // svMultiPhysics, the folder NAME-mesh-complete:
 //   mesh-complete.mesh.vtu      cell arrays GlobalElementID, DOMAIN_ID (the region's tag), point array GlobalNodeID
 //   mesh-complete.exterior.vtp  the outer boundary; mesh-surfaces/SURFACE.vtp every named surface: GlobalNodeID, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "exporters/tri_mesh.hpp"
 
 #include "exporters/out_file.hpp"

@@ -1,4 +1,6 @@
-// Triangle meshes of a slice as files.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Triangle meshes of a slice as files.
 #pragma once
 #include <filesystem>
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A bundle against its manifest.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Legacy VTK of file version 3.0, by hand: VTK's own writer makes version 5.1, which few other readers know, and
 // writes text with too few digits. Also its dialects for Cardioid / MFEM and cardiacFoam. And .vtu / .vtp.
 #include <set>

@@ -1,5 +1,7 @@
-// Warnings and verdicts on uses as JSON, the same in metrics.json and in the manifest. nlohmann::json finds these
-// functions by their arguments.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Warnings and verdicts on uses as JSON, the same in metrics.json and in the manifest. nlohmann::json finds these
+/// functions by their arguments.
 #pragma once
 #include <algorithm>
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // XDMF + HDF5. NAME.xdmf holds the tetrahedra with `cell_tags`, NAME_facets.xdmf the labelled triangles with
 // `facet_tags` on the same nodes: one topology a file, as dolfinx and meshio want it. dolfinx opens the .h5 file that
 // is named as the .xdmf file is, so each has its own:

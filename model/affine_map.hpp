@@ -1,4 +1,6 @@
-// Affine maps of space.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Affine maps of space.
 #pragma once
 #include "model/vec.hpp"
 

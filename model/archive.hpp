@@ -1,5 +1,8 @@
-// Plain data as bytes in this machine's own layout: for the cache, and on the way from one process to another.
-// Which members a struct has is said once, by `members` in the struct's namespace.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Plain data as bytes in this machine's own layout: for the cache, and on the way from one process to another.
+/// Which members a struct has is said once, by `members` in the struct's namespace; a member that it forgets does not
+/// compile.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,6 +11,7 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "model/tet_mesh.hpp"
@@ -32,6 +36,36 @@ inline auto members(UnstructuredData& m) {
                   m.cell_tensors, m.faces, m.face_scalars, m.face_vectors, m.face_tensors, m.integers, m.remarks);
 }
 
+/// Members that `members` leaves out on purpose.
+template <class T>
+constexpr std::size_t members_left_out = 0;
+template <>
+constexpr std::size_t members_left_out<UnstructuredData> = 1;  // names of groups
+template <>
+constexpr std::size_t members_left_out<TetMesh> = 1;  // names: meshes from elsewhere are not archived
+
+/// Converts to any member of an aggregate; never called.
+struct AnyMember {
+  template <class T>
+  operator T() const;
+};
+
+/// Members of an aggregate: as many as its braces take.
+template <class T, class... Members>
+constexpr std::size_t member_count() {
+  if constexpr (requires { T{Members{}..., AnyMember{}}; })
+    return member_count<T, Members..., AnyMember>();
+  else
+    return sizeof...(Members);
+}
+
+template <class T>
+constexpr bool all_members_are_told() {
+  if constexpr (std::is_aggregate_v<T>)
+    return std::tuple_size_v<decltype(members(std::declval<T&>()))> + members_left_out<T> == member_count<T>();
+  return true;
+}
+
 /// Base of what takes bytes: `Sink` has raw(const void*, std::size_t).
 template <class Sink>
 struct Packing {
@@ -40,6 +74,7 @@ struct Packing {
     if constexpr (std::is_trivially_copyable_v<T>) {
       raw(&value, sizeof value);
     } else {
+      static_assert(all_members_are_told<T>(), "members() of this struct forgets one");
       // members() takes a mutable reference so that Unpacking can share it; nothing is changed here.
       std::apply([&](const auto&... member) { (put(member), ...); }, members(const_cast<T&>(value)));
     }
@@ -83,6 +118,7 @@ struct Unpacking {
     if constexpr (std::is_trivially_copyable_v<T>) {
       source().raw(&value, sizeof value);
     } else {
+      static_assert(all_members_are_told<T>(), "members() of this struct forgets one");
       std::apply([&](auto&... member) { (get(member), ...); }, members(value));
     }
   }

@@ -1,4 +1,6 @@
-// Directions without a sign as dyads f f^T: they can be added and averaged, which the vectors themselves cannot.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Directions without a sign as dyads f f^T: they can be added and averaged, which the vectors themselves cannot.
 #pragma once
 #include <array>
 #include <cmath>

@@ -1,4 +1,6 @@
-// The box around points.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The box around points.
 #pragma once
 #include <algorithm>
 #include <utility>

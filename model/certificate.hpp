@@ -1,4 +1,6 @@
-// What a bundle says of itself: measured rows, warnings that travel with it, and the uses it is fit for.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What a bundle says of itself: measured rows, warnings that travel with it, and the uses it is fit for.
 #pragma once
 #include <array>
 #include <string>

@@ -1,7 +1,9 @@
-// Contracts. What a function states of its arguments, its result or what it keeps true inside is checked, not hoped
-// for: HEARTGEN_EXPECTS at its door, always; HEARTGEN_ENSURES and HEARTGEN_INVARIANT, which may cost as much as the
-// work itself, where HEARTGEN_AUDIT is set (the presets audit, asan and tsan). What is broken is a defect of the caller
-// or of ours, never of a user's file: that is a UserError.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Contracts. What a function states of its arguments, its result or what it keeps true inside is checked, not hoped
+/// for: HEARTGEN_EXPECTS at its door, always; HEARTGEN_ENSURES and HEARTGEN_INVARIANT, which may cost as much as the
+/// work itself, where HEARTGEN_AUDIT is set (the presets audit, asan and tsan). What is broken is a defect of the
+/// caller or of ours, never of a user's file: that is a UserError.
 #pragma once
 #include <stdexcept>
 

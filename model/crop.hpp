@@ -1,4 +1,6 @@
-// The bounding box of what takes part, and the part of a volume inside it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The bounding box of what takes part, and the part of a volume inside it.
 #pragma once
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// Helix angles at places of known wall depth: what a fibre field looks like through a wall.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Helix angles at places of known wall depth: what a fibre field looks like through a wall.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,6 @@
-// The two ways of failing: the user's input (UserError, exit code 2) and our own defects (anything else, 1).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The two ways of failing: the user's input (UserError, exit code 2) and our own defects (anything else, 1).
 #pragma once
 #include <exception>
 #include <string>

@@ -1,5 +1,7 @@
-// The fibre atlas as data: a tetrahedral mesh of the two ventricles with one fibre direction per point (thesis, chapter
-// 9). Only the axis of a direction means anything; its sign and length are ignored everywhere.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The fibre atlas as data: a tetrahedral mesh of the two ventricles with one fibre direction per point (thesis,
+/// chapter 9). Only the axis of a direction means anything; its sign and length are ignored everywhere.
 #pragma once
 #include <string>
 #include <vector>

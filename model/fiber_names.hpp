@@ -1,4 +1,6 @@
-// What programs call the arrays that hold fibre, sheet and sheet-normal axes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What programs call the arrays that hold fibre, sheet and sheet-normal axes.
 #pragma once
 #include <string_view>
 

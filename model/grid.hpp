@@ -1,5 +1,7 @@
-// A regular voxel grid in physical space. Frame: LPS (x to the patient's Left, y to the back (Posterior),
-// z up (Superior)), millimetres. Voxel centres lie at integer indices.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A regular voxel grid in physical space. Frame: LPS (x to the patient's Left, y to the back (Posterior),
+/// z up (Superior)), millimetres. Voxel centres lie at integer indices.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// A file that is to be read.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A file that is to be read.
 #pragma once
 #include <filesystem>
 

@@ -1,4 +1,6 @@
-// Tetrahedra with a label each, as meshers give them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Tetrahedra with a label each, as meshers give them.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,7 @@
-// The only table of region, surface and rim names and their integer tags.
-// Tags are part of the bundle format: only append. Regions 1-99, surfaces from 101: some readers share one table.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The only table of region, surface and rim names and their integer tags.
+/// Tags are part of the bundle format: only append. Regions 1-99, surfaces from 101: some readers share one table.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -1,4 +1,6 @@
-// Points and planes that tell the chambers apart.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Points and planes that tell the chambers apart.
 #pragma once
 #include <map>
 #include <optional>

@@ -1,4 +1,6 @@
-// How much memory there is for this process.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How much memory there is for this process.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,4 +1,6 @@
-// A file that gets its name when it is whole.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A file that gets its name when it is whole.
 #pragma once
 #include <filesystem>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "model/parent_fibers.hpp"
 
 #include "model/error.hpp"

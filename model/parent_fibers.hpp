@@ -1,4 +1,6 @@
-// Fibres of a part on the mesh that it was cut out of.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fibres of a part on the mesh that it was cut out of.
 #pragma once
 #include "model/tet_mesh.hpp"
 

@@ -1,4 +1,6 @@
-// How long the parts of a stage took, for its log.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How long the parts of a stage took, for its log.
 #pragma once
 #include <chrono>
 #include <string>

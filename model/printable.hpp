@@ -1,4 +1,6 @@
-// Text from files, for terminals and pages.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Text from files, for terminals and pages.
 #pragma once
 #include <string>
 #include <string_view>

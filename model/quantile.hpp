@@ -1,5 +1,7 @@
-// Order statistics without sorting. All reorder the values, which must not be empty; ties and thread counts do not
-// matter.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Order statistics without sorting. All reorder the values, which must not be empty; ties and thread counts do not
+/// matter.
 #pragma once
 #include <algorithm>
 #include <cstddef>

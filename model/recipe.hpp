@@ -1,6 +1,8 @@
-// Every setting of a build, with its unit and default: the user's interface. A recipe is a TOML file; this header
-// is the one place where its keys are declared. `describe` lists the keys of each section, so that reading, checking
-// (unknown keys, wrong types) and writing the resolved recipe all follow from it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Every setting of a build, with its unit and default: the user's interface. A recipe is a TOML file; this header
+/// is the one place where its keys are declared. `describe` lists the keys of each section, so that reading, checking
+/// (unknown keys, wrong types) and writing the resolved recipe all follow from it.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -1,4 +1,6 @@
-// Rows of a certificate: what was measured, where, against which bound, and why that bound.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Rows of a certificate: what was measured, where, against which bound, and why that bound.
 #pragma once
 #include <algorithm>
 #include <cstdint>

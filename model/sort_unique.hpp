@@ -1,4 +1,6 @@
-// Sets as sorted vectors: their order is that of the values, whatever was found first.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Sets as sorted vectors: their order is that of the values, whatever was found first.
 #pragma once
 #include <algorithm>
 #include <vector>

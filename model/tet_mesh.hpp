@@ -1,4 +1,6 @@
-// Tetrahedral mesh with regions, labelled faces, rims and fibres. Plain data; nodes in LPS mm.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Tetrahedral mesh with regions, labelled faces, rims and fibres. Plain data; nodes in LPS mm.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// Words and numbers as text, the same in every locale.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Words and numbers as text, the same in every locale.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,4 +1,6 @@
-// The text of a TOML file, looked at before a parser that goes one call deeper for every table within a table.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The text of a TOML file, looked at before a parser that goes one call deeper for every table within a table.
 #pragma once
 #include <string>
 

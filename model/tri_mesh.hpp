@@ -1,4 +1,6 @@
-// Triangle mesh of a plane with regions and labelled edges. Plain data; nodes in LPS mm.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Triangle mesh of a plane with regions and labelled edges. Plain data; nodes in LPS mm.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// What is being written and has not got its name yet: it goes when the program is stopped.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What is being written and has not got its name yet: it goes when the program is stopped.
 #pragma once
 #include <filesystem>
 

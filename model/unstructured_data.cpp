@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "model/unstructured_data.hpp"
 
 #include "model/error.hpp"

@@ -1,4 +1,6 @@
-// A tetrahedral mesh as another program wrote it: cells, triangles, arrays of any name. Plain data.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A tetrahedral mesh as another program wrote it: cells, triangles, arrays of any name. Plain data.
 #pragma once
 #include <cstddef>
 #include <filesystem>

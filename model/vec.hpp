@@ -1,4 +1,6 @@
-// Small fixed-size vectors: points and directions in LPS millimetres.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Small fixed-size vectors: points and directions in LPS millimetres.
 #pragma once
 #include <array>
 #include <cmath>

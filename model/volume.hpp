@@ -1,4 +1,6 @@
-// A scalar image on a Grid: voxels in one vector, i fastest.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A scalar image on a Grid: voxels in one vector, i fastest.
 #pragma once
 #include <algorithm>
 #include <cstdint>

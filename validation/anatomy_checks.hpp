@@ -1,4 +1,6 @@
-// What every heart has: valves' orifices between chambers that are there, of a human size.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What every heart has: valves' orifices between chambers that are there, of a human size.
 #pragma once
 #include <map>
 #include <string>

@@ -1,4 +1,6 @@
-// The surface of a chosen set of cells.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The surface of a chosen set of cells.
 #pragma once
 #include <cstdint>
 #include <vector>

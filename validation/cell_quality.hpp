@@ -1,4 +1,6 @@
-// Shape measures of tetrahedra and of the faces between them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Shape measures of tetrahedra and of the faces between them.
 #pragma once
 #include <array>
 #include <vector>

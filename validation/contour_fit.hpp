@@ -1,5 +1,7 @@
-// How well contours lie on the image: distance from a mesh's surfaces to the strongest edge of the CT along their
-// normals, and agreement of two label maps (Dice, mean and Hausdorff distances).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How well contours lie on the image: distance from a mesh's surfaces to the strongest edge of the CT along their
+/// normals, and agreement of two label maps (Dice, mean and Hausdorff distances).
 #pragma once
 #include "model/report.hpp"
 #include "model/tet_mesh.hpp"

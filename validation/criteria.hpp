@@ -1,4 +1,6 @@
-// The certificate's bounds: which rows judge, by what, and why. They stand here alone; checks only measure.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The certificate's bounds: which rows judge, by what, and why. They stand here alone; checks only measure.
 #pragma once
 #include <optional>
 #include <string>

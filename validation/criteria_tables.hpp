@@ -1,4 +1,6 @@
-// Private to this folder: the criteria by what they speak of.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the criteria by what they speak of.
 #pragma once
 #include <vector>
 

@@ -1,5 +1,7 @@
-// The curves of a mesh where three regions meet against those of its label map: the rims of the valves' orifices, the
-// lines at which walls meet. The label map is taken as the mesher smooths it, `label_at`.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The curves of a mesh where three regions meet against those of its label map: the rims of the valves' orifices, the
+/// lines at which walls meet. The label map is taken as the mesher smooths it, `label_at`.
 #pragma once
 #include <string>
 #include <vector>

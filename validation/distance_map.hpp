@@ -1,4 +1,6 @@
-// Exact Euclidean distance on anisotropic grids.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Exact Euclidean distance on anisotropic grids.
 #pragma once
 #include <cstdint>
 #include <vector>

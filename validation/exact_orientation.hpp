@@ -1,6 +1,8 @@
-// Signs of determinants without rounding: a floating-point filter, then exact arithmetic on sums of doubles where it
-// cannot decide. Shewchuk 1997, Adaptive precision floating-point arithmetic. Exact as long as products of three
-// coordinates neither overflow nor fall below the normal range.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Signs of determinants without rounding: a floating-point filter, then exact arithmetic on sums of doubles where it
+/// cannot decide. Shewchuk 1997, Adaptive precision floating-point arithmetic. Exact as long as products of three
+/// coordinates neither overflow nor fall below the normal range.
 #pragma once
 #include "model/vec.hpp"
 

@@ -1,5 +1,7 @@
-// The fibre certificate: what can be measured on a myocardium mesh with fibres alone (so that `validate` can repeat
-// it on any bundle), plus the figures of the registration where they are known.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The fibre certificate: what can be measured on a myocardium mesh with fibres alone (so that `validate` can repeat
+/// it on any bundle), plus the figures of the registration where they are known.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,4 +1,6 @@
-// The directions of a heart, from its mesh alone: for views and for colours.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The directions of a heart, from its mesh alone: for views and for colours.
 #pragma once
 #include "model/tet_mesh.hpp"
 

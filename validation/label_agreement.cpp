@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Agreement of two label maps: overlap and distances between the regions' surfaces.
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,6 @@
-// What a label map alone tells: volumes, components and wall thickness of the regions.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What a label map alone tells: volumes, components and wall thickness of the regions.
 #pragma once
 #include <vector>
 

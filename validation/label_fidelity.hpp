@@ -1,5 +1,8 @@
-// A mesh against the label map that it was made of. The map is read as it is: interpolated here, between its voxels,
-// and never as the mesher smooths it. How well a mesher meets its own smoothed surfaces stands in rows of another name.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A mesh against the label map that it was made of. The map is read as it is: interpolated here, between its voxels,
+/// and never as the mesher smooths it. How well a mesher meets its own smoothed surfaces stands in rows of another
+/// name.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,7 @@
-// A label map between its voxels, as the certificate reads it: by its own interpolation, whatever a mesher makes of it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A label map between its voxels, as the certificate reads it: by its own interpolation, whatever a mesher makes of
+/// it.
 #pragma once
 #include "model/volume.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "validation/mesh_checks.hpp"
 
 #include <algorithm>

@@ -1,7 +1,9 @@
-// The mesh certificate (V1): what is measured here is recomputed from nodes and cells, whatever the mesher claims.
-// Quality: dihedral angles, radius ratio, scaled Jacobian, edge lengths, volumes; for finite volumes non-orthogonality
-// and skewness. Validity: inverted cells, manifold boundary, watertight regions, labels of boundary faces, orphans,
-// duplicates. Globally, per region, per surface.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The mesh certificate (V1): what is measured here is recomputed from nodes and cells, whatever the mesher claims.
+/// Quality: dihedral angles, radius ratio, scaled Jacobian, edge lengths, volumes; for finite volumes non-orthogonality
+/// and skewness. Validity: inverted cells, manifold boundary, watertight regions, labels of boundary faces, orphans,
+/// duplicates. Globally, per region, per surface.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,6 @@
-// Faces, boundaries and components of a tetrahedral mesh, recomputed from its cells.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Faces, boundaries and components of a tetrahedral mesh, recomputed from its cells.
 #pragma once
 #include <cstdint>
 #include <map>

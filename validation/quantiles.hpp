@@ -1,4 +1,6 @@
-// Order statistics of a sample.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Order statistics of a sample.
 #pragma once
 #include <algorithm>
 #include <cmath>

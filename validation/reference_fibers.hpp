@@ -1,4 +1,6 @@
-// Fibres against known ones: the phantom's analytic field, or any other on a grid.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fibres against known ones: the phantom's analytic field, or any other on a grid.
 #pragma once
 #include "model/report.hpp"
 #include "model/tet_mesh.hpp"

@@ -1,6 +1,8 @@
-// The topology of one region: pieces, handles and cavities, of a mesh and of a label map in the same terms, so that
-// the two can be compared. A region is taken as an open set: cells hang together through faces, voxels through the
-// faces of 6 neighbours, and what lies around them through edges and corners too.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The topology of one region: pieces, handles and cavities, of a mesh and of a label map in the same terms, so that
+/// the two can be compared. A region is taken as an open set: cells hang together through faces, voxels through the
+/// faces of 6 neighbours, and what lies around them through edges and corners too.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -1,4 +1,6 @@
-// Triangles that cross, touch or lie on one another although they should not. Decided exactly.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Triangles that cross, touch or lie on one another although they should not. Decided exactly.
 #pragma once
 #include <cstdint>
 #include <utility>

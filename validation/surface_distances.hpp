@@ -1,4 +1,6 @@
-// Distances between the surfaces of a mesh's regions and those of a map of labels, both ways.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Distances between the surfaces of a mesh's regions and those of a map of labels, both ways.
 #pragma once
 #include <array>
 #include <functional>

@@ -1,4 +1,6 @@
-// Fit for what: the simulations that people run on a heart, and what each of them asks of a model.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fit for what: the simulations that people run on a heart, and what each of them asks of a model.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,6 @@
-// Values of nodes on a regular grid: what the 3D view colours the faces of a cut with.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Values of nodes on a regular grid: what the 3D view colours the faces of a cut with.
 #pragma once
 #include <array>
 #include <cstdint>

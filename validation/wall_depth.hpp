@@ -1,4 +1,6 @@
-// Wall depth on a mesh: Laplace's equation with linear finite elements.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Wall depth on a mesh: Laplace's equation with linear finite elements.
 #pragma once
 #include <vector>
 

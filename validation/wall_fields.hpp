@@ -1,4 +1,6 @@
-// Values on the nodes of the heart's walls, for colouring: each as a byte of the page's data.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Values on the nodes of the heart's walls, for colouring: each as a byte of the page's data.
 #pragma once
 #include <cstdint>
 #include <string>

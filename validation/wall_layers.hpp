@@ -1,4 +1,6 @@
-// How many layers of cells lie between the two sides of a wall of the heart.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How many layers of cells lie between the two sides of a wall of the heart.
 #pragma once
 #include <cstdint>
 #include <map>

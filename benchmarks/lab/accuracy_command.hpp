@@ -1,4 +1,6 @@
-// `heartgen-lab accuracy`: phantoms made in memory, segmented without any landmark, compared with what they are.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen-lab accuracy`: phantoms made in memory, segmented without any landmark, compared with what they are.
 #pragma once
 #include <string>
 #include <vector>

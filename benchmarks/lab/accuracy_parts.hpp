@@ -1,4 +1,6 @@
-// `heartgen-lab accuracy --of PART`: one step of the image stages on phantoms, from what is known before it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen-lab accuracy --of PART`: one step of the image stages on phantoms, from what is known before it.
 #pragma once
 #include <vector>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "benchmarks/lab/bench_command.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,6 @@
-// `heartgen-lab bench`: the measured speeds of the image stages.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen-lab bench`: the measured speeds of the image stages.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,6 @@
-// The broken circle of thesis Fig 4.6, and what each deformable contour makes of it: which ones close its gaps.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The broken circle of thesis Fig 4.6, and what each deformable contour makes of it: which ones close its gaps.
 #pragma once
 #include <string>
 #include <vector>

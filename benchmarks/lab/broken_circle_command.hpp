@@ -1,4 +1,6 @@
-// `heartgen-lab broken-circle`: deformable contours on the broken circle (thesis Fig 4.6).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen-lab broken-circle`: deformable contours on the broken circle (thesis Fig 4.6).
 #pragma once
 #include <string>
 

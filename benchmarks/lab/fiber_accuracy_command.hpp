@@ -1,4 +1,7 @@
-// `heartgen-lab fiber-accuracy`: an atlas's fibres carried to phantoms whose fibres are known, from their exact labels.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen-lab fiber-accuracy`: an atlas's fibres carried to phantoms whose fibres are known, from their exact
+/// labels.
 #pragma once
 #include <string>
 #include <vector>

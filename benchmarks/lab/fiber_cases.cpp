@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "benchmarks/lab/fiber_cases.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,7 @@
-// Hearts of known fibres that `heartgen-lab fiber-accuracy` carries an atlas to: phantoms and their labels, exact, cut
-// or uneven. Not collective; the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Hearts of known fibres that `heartgen-lab fiber-accuracy` carries an atlas to: phantoms and their labels, exact, cut
+/// or uneven. Not collective; the same bits for any number of threads.
 #pragma once
 #include <string>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // heartgen-lab: how accurate and how fast the program is, and the thesis's own studies repeated.
 #include "benchmarks/lab/accuracy_command.hpp"
 #include "benchmarks/lab/bench_command.hpp"

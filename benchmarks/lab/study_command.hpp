@@ -1,4 +1,6 @@
-// `heartgen-lab study`: the thesis's analysis of the Chan-Vese model, repeated and measured.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen-lab study`: the thesis's analysis of the Chan-Vese model, repeated and measured.
 #pragma once
 #include <string>
 #include <vector>

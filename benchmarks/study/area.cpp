@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Area of an implicit surface on voxels: the estimators of length.hpp one dimension up.
 #include <algorithm>
 #include <array>

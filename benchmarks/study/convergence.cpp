@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "benchmarks/study/convergence.hpp"
 
 #include "generator/parallel/threads.hpp"

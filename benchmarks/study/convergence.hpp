@@ -1,4 +1,6 @@
-// Flows followed towards a known segmentation: the curves of Figs 5.6, 5.9 and 5.13.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Flows followed towards a known segmentation: the curves of Figs 5.6, 5.9 and 5.13.
 #pragma once
 #include <string>
 #include <vector>

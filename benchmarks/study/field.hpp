@@ -1,5 +1,7 @@
-// A function on the pixels of a plane, and the part of the plane on which an equation is solved.
-// Pixels are squares of side 1 unless a function takes a spacing; i runs fastest, j downwards.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A function on the pixels of a plane, and the part of the plane on which an equation is solved.
+/// Pixels are squares of side 1 unless a function takes a spacing; i runs fastest, j downwards.
 #pragma once
 #include <cstdint>
 #include <vector>

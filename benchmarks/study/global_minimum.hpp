@@ -1,8 +1,10 @@
-// The reference: the two-phase Chan-Vese problem by its convex form (Chan, Esedoglu and Nikolova 2006; thesis 4.40),
-//   min over 0 <= u <= 1 of  μ Σ |∇+ u| + λ Σ (|g - c1|^p - |g - c2|^p) u,
-// solved by the primal-dual method of Chambolle and Pock (2011) until its duality gap is small, c1 and c2 taken anew
-// from the level 1/2 in between. For given c this is the global minimum of the energy with the Heaviside length, up to
-// the gap; over c it is the best of the starts that are tried.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The reference: the two-phase Chan-Vese problem by its convex form (Chan, Esedoglu and Nikolova 2006; thesis 4.40),
+///   min over 0 <= u <= 1 of  μ Σ |∇+ u| + λ Σ (|g - c1|^p - |g - c2|^p) u,
+/// solved by the primal-dual method of Chambolle and Pock (2011) until its duality gap is small, c1 and c2 taken anew
+/// from the level 1/2 in between. For given c this is the global minimum of the energy with the Heaviside length, up to
+/// the gap; over c it is the best of the starts that are tried.
 #pragma once
 #include "benchmarks/study/regions.hpp"
 

@@ -1,4 +1,6 @@
-// Where the Chan-Vese flow starts (thesis 5.2).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Where the Chan-Vese flow starts (thesis 5.2).
 #pragma once
 #include <vector>
 

@@ -1,6 +1,8 @@
-// Length of the curve {phi = 0} given on pixels (thesis 5.1.1), and area of the surface {phi = 0} given on voxels.
-// phi may have any sign inside; H(phi) = 1 where phi >= 0. The forward differences D+ are those of (5.4): they are 0
-// across the border of the plane. Sums run row by row, so results have the same bits everywhere.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Length of the curve {phi = 0} given on pixels (thesis 5.1.1), and area of the surface {phi = 0} given on voxels.
+/// phi may have any sign inside; H(phi) = 1 where phi >= 0. The forward differences D+ are those of (5.4): they are 0
+/// across the border of the plane. Sums run row by row, so results have the same bits everywhere.
 #pragma once
 #include "benchmarks/study/field.hpp"
 #include "model/volume.hpp"

@@ -1,5 +1,7 @@
-// Segmentation into more than two phases: two level sets at once (thesis 4.34 to 4.36), several levels of one level set
-// (4.37), and one two-phase problem after another (5.3). L2 fidelity.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Segmentation into more than two phases: two level sets at once (thesis 4.34 to 4.36), several levels of one level
+/// set (4.37), and one two-phase problem after another (5.3). L2 fidelity.
 #pragma once
 #include <array>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A line plot as SVG.
 #include <fmt/format.h>
 

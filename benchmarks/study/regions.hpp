@@ -1,4 +1,6 @@
-// The grey values and the energy of a two-phase segmentation (thesis 4.4.1, 4.4.3).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The grey values and the energy of a two-phase segmentation (thesis 4.4.1, 4.4.3).
 #pragma once
 #include "benchmarks/study/field.hpp"
 

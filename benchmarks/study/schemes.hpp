@@ -1,4 +1,6 @@
-// Curvature div(∇phi / |∇phi|) on pixels: the three discretisations of thesis 3.4.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Curvature div(∇phi / |∇phi|) on pixels: the three discretisations of thesis 3.4.
 #pragma once
 #include "benchmarks/study/field.hpp"
 

@@ -1,5 +1,7 @@
-// The studies: thesis chapter 5, one function per question. Each prints nothing, and returns its tables, curves,
-// pictures and what became of the thesis's statements.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The studies: thesis chapter 5, one function per question. Each prints nothing, and returns its tables, curves,
+/// pictures and what became of the thesis's statements.
 #pragma once
 #include <span>
 

@@ -1,5 +1,7 @@
-// What a study finds, as plain data, and writing it down: tables as CSV and Markdown, curves as SVG, pictures as PNG,
-// and one HTML page that holds them all. The same study gives the same bytes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What a study finds, as plain data, and writing it down: tables as CSV and Markdown, curves as SVG, pictures as PNG,
+/// and one HTML page that holds them all. The same study gives the same bytes.
 #pragma once
 #include <filesystem>
 #include <functional>

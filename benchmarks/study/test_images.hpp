@@ -1,4 +1,6 @@
-// Images of our own on which the thesis's comparisons are repeated. The same bits everywhere, any size.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Images of our own on which the thesis's comparisons are repeated. The same bits everywhere, any size.
 #pragma once
 #include "benchmarks/study/field.hpp"
 

@@ -1,7 +1,9 @@
-// The seven discretisations of the two-phase Chan-Vese flow (thesis 5.1.2),
-//   phi_t = δ(phi) [ μ div(∇phi / |∇phi|) - λ |g - c1|^p + λ |g - c2|^p ]      (5.7; 4.47 for p = 1),
-// with c1, c2 taken anew at every step, from any start, on any part of the plane. Explicit in time but for the schemes
-// that say otherwise.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The seven discretisations of the two-phase Chan-Vese flow (thesis 5.1.2),
+///   phi_t = δ(phi) [ μ div(∇phi / |∇phi|) - λ |g - c1|^p + λ |g - c2|^p ]      (5.7; 4.47 for p = 1),
+/// with c1, c2 taken anew at every step, from any start, on any part of the plane. Explicit in time but for the schemes
+/// that say otherwise.
 #pragma once
 #include <functional>
 #include <span>

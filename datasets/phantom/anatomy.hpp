@@ -1,6 +1,8 @@
-// The analytic anatomy of the phantom: a thorax with a four-chamber heart, as signed distances composed by min and max.
-// Everything is evaluated at a point in LPS mm, so that grids and meshes of any resolution can be compared with it.
-// The functions are pure and safe to call from several threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The analytic anatomy of the phantom: a thorax with a four-chamber heart, as signed distances composed by min and
+/// max. Everything is evaluated at a point in LPS mm, so that grids and meshes of any resolution can be compared with
+/// it. The functions are pure and safe to call from several threads.
 #pragma once
 #include <cstdint>
 #include <memory>

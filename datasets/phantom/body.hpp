@@ -1,4 +1,6 @@
-// The body around the heart: skin, chest wall, lungs, airways, spine, abdomen; and the whole anatomy of one patient.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The body around the heart: skin, chest wall, lungs, airways, spine, abdomen; and the whole anatomy of one patient.
 #pragma once
 #include <array>
 

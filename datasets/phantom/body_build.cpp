@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Where the parts of the template thorax lie. All numbers are template millimetres.
 #include "datasets/phantom/body.hpp"
 

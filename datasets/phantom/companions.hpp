@@ -1,4 +1,6 @@
-// The phantom's companion images: an MR-like torso of another patient and a carotid angiogram.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The phantom's companion images: an MR-like torso of another patient and a carotid angiogram.
 #pragma once
 #include "datasets/phantom/phantom.hpp"
 

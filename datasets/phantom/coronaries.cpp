@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Coronary arteries of the phantom: they run 2.6 mm above the muscle, in the grooves between the chambers.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Analytic fibres of the phantom's ventricles.
 #include <limits>
 

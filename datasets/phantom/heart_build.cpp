@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Where the parts of the template heart lie. All numbers are template millimetres (see HeartPose).
 #include "datasets/phantom/heart_shapes.hpp"
 #include "model/mathematics.hpp"

@@ -1,6 +1,8 @@
-// The four chambers, their walls, valves and great vessels of the phantom as signed distances in patient mm.
-// Sizes come from adult averages: left ventricle 48 mm across and 84 mm long inside, 10 mm thick; mitral orifice 26 mm,
-// aortic 21 mm, tricuspid 31 mm, pulmonary 23 mm wide.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The four chambers, their walls, valves and great vessels of the phantom as signed distances in patient mm.
+/// Sizes come from adult averages: left ventricle 48 mm across and 84 mm long inside, 10 mm thick; mitral orifice 26
+/// mm, aortic 21 mm, tricuspid 31 mm, pulmonary 23 mm wide.
 #pragma once
 #include <functional>
 #include <vector>

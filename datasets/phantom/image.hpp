@@ -1,4 +1,6 @@
-// Turns an anatomy into images: labels, CT-like grey values with partial volume, point spread and noise.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Turns an anatomy into images: labels, CT-like grey values with partial volume, point spread and noise.
 #pragma once
 #include <array>
 

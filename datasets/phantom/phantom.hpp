@@ -1,6 +1,8 @@
-// The embedded default data set: an analytic chest CT with exact labels, landmarks and fibres, an MR-like torso of
-// another patient, a carotid angiogram, and the stand-in fibre atlas. Frame LPS mm, direction matrix identity.
-// Deterministic: the same settings give the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The embedded default data set: an analytic chest CT with exact labels, landmarks and fibres, an MR-like torso of
+/// another patient, a carotid angiogram, and the stand-in fibre atlas. Frame LPS mm, direction matrix identity.
+/// Deterministic: the same settings give the same bits for any number of threads.
 #pragma once
 #include <vector>
 

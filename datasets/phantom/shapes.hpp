@@ -1,5 +1,7 @@
-// Building blocks of the phantom: signed distances (mm, negative inside) of ellipsoids, tubes and plates, smooth
-// unions, tables over height, and the counter-based random numbers that make variants and noise.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Building blocks of the phantom: signed distances (mm, negative inside) of ellipsoids, tubes and plates, smooth
+/// unions, tables over height, and the counter-based random numbers that make variants and noise.
 #pragma once
 #include <algorithm>
 #include <cstdint>

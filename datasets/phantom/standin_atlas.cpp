@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The stand-in fibre atlas: two idealised ventricles as a structured mesh. The left ventricle is a stack of
 // confocal-like ellipsoids (index i around, j from apex to base, k through the wall). The right ventricle is a second
 // stack of sheets over the left one's outer surface. Where a sheet ends it meets that surface in nodes that lie on the

@@ -1,6 +1,8 @@
-// Foreign readers in a process of their own. A file that makes a library write where it may not, divide by zero, ask
-// for all memory or run for ever ends that process, not this one, and becomes a UserError. Nothing that the library
-// prints is seen. What it read comes back through a pipe, so that nothing is held twice and no file is made.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Foreign readers in a process of their own. A file that makes a library write where it may not, divide by zero, ask
+/// for all memory or run for ever ends that process, not this one, and becomes a UserError. Nothing that the library
+/// prints is seen. What it read comes back through a pipe, so that nothing is held twice and no file is made.
 #pragma once
 #include <functional>
 #include <string>

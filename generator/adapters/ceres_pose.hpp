@@ -1,4 +1,6 @@
-// Fits an affine map by nonlinear least squares (Ceres, one thread, deterministic). Not collective.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fits an affine map by nonlinear least squares (Ceres, one thread, deterministic). Not collective.
 #pragma once
 #include <vector>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/adapters/cgal_delaunay.hpp"
 
 #include <CGAL/Delaunay_triangulation_2.h>

@@ -1,5 +1,7 @@
-// Delaunay triangulations of points, CGAL hidden behind plain data. Exact predicates; where more points than needed
-// lie on a circle or sphere, the symbolic perturbation decides: the same points give the same cells.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Delaunay triangulations of points, CGAL hidden behind plain data. Exact predicates; where more points than needed
+/// lie on a circle or sphere, the symbolic perturbation decides: the same points give the same cells.
 #pragma once
 #include <span>
 #include <vector>

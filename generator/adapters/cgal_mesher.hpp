@@ -1,6 +1,8 @@
-// Delaunay refinement of an implicit domain of several materials: CGAL's Mesh_3 hidden behind plain data. Sequential
-// and (but for comparisons) without its optimisers, whose end depends on time limits: the same input gives the same
-// bits. Rineau and Yvinec 2008; protecting balls: Cheng, Dey and Shewchuk 2012.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Delaunay refinement of an implicit domain of several materials: CGAL's Mesh_3 hidden behind plain data. Sequential
+/// and (but for comparisons) without its optimisers, whose end depends on time limits: the same input gives the same
+/// bits. Rineau and Yvinec 2008; protecting balls: Cheng, Dey and Shewchuk 2012.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/adapters/dicom_files.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,6 @@
-// DICOM files followed from element to element, before a library sees them: lengths against the file's own size.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// DICOM files followed from element to element, before a library sees them: lengths against the file's own size.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,4 +1,6 @@
-// DICOM series through ITK's GDCM. Private to the adapters: use itk_io.hpp.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// DICOM series through ITK's GDCM. Private to the adapters: use itk_io.hpp.
 #pragma once
 #include <string>
 

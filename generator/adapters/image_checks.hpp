@@ -1,4 +1,6 @@
-// What no image has, whatever its format: the one place that refuses it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What no image has, whatever its format: the one place that refuses it.
 #pragma once
 #include <string>
 

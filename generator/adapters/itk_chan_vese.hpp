@@ -1,4 +1,6 @@
-// ITK's dense level set filter for Chan and Vese's model: the peer of our sweeps in the benchmarks.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// ITK's dense level set filter for Chan and Vese's model: the peer of our sweeps in the benchmarks.
 #pragma once
 #include "model/volume.hpp"
 

@@ -1,6 +1,8 @@
-// Images on disk: NIfTI, NRRD, MetaImage and DICOM series through ITK, as plain volumes.
-// Readers bring any axis order and direction to the canonical one: i, j, k run as close as possible to the
-// patient's left, back and head, so the same volume stored in any format or axis order gives the same voxels.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Images on disk: NIfTI, NRRD, MetaImage and DICOM series through ITK, as plain volumes.
+/// Readers bring any axis order and direction to the canonical one: i, j, k run as close as possible to the
+/// patient's left, back and head, so the same volume stored in any format or axis order gives the same voxels.
 #pragma once
 #include <cstdint>
 #include <string>

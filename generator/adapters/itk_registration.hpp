@@ -1,6 +1,8 @@
-// Diffeomorphic demons (thesis 9.1; Vercauteren et al., NeuroImage 45, 2009) from ITK on plain volumes.
-// Not collective. The bits of the result do not depend on the number of threads: every voxel's force, smoothing and
-// composition is computed by one thread, and the thread-ordered sums of ITK's metric are not used to stop.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Diffeomorphic demons (thesis 9.1; Vercauteren et al., NeuroImage 45, 2009) from ITK on plain volumes.
+/// Not collective. The bits of the result do not depend on the number of threads: every voxel's force, smoothing and
+/// composition is computed by one thread, and the thread-ordered sums of ITK's metric are not used to stop.
 #pragma once
 #include <vector>
 

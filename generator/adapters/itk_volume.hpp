@@ -1,4 +1,6 @@
-// ITK's images as plain volumes. Private to the adapters.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// ITK's images as plain volumes. Private to the adapters.
 #pragma once
 #include <itkImage.h>
 

@@ -1,4 +1,6 @@
-// What ITK's reader and writer of MetaImages (.mhd, .mha) leave unsaid.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What ITK's reader and writer of MetaImages (.mhd, .mha) leave unsaid.
 #pragma once
 #include <cstdint>
 #include <string>

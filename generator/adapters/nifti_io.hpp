@@ -1,5 +1,7 @@
-// NIfTI reading through the reference library. ITK 5.2's own reader refuses many valid files that carry only an sform
-// matrix (its issues 2674 and 3333), and those are what common converters write.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// NIfTI reading through the reference library. ITK 5.2's own reader refuses many valid files that carry only an sform
+/// matrix (its issues 2674 and 3333), and those are what common converters write.
 #pragma once
 #include <string>
 

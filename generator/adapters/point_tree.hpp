@@ -1,4 +1,6 @@
-// Neighbours among points in space: nanoflann's tree over a plain vector. Private to atlas and fibers.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Neighbours among points in space: nanoflann's tree over a plain vector. Private to atlas and fibers.
 #pragma once
 #include <nanoflann.hpp>
 #include <vector>

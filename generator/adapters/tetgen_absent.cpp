@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Stands in for tetgen_mesher.cpp in a program built without TetGen.
 #include "generator/adapters/tetgen_mesher.hpp"
 #include "model/error.hpp"

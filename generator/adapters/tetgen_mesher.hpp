@@ -1,6 +1,8 @@
-// Constrained Delaunay refinement between given surfaces: TetGen hidden behind plain data. The surfaces stay as they
-// are, triangle for triangle; only nodes inside the materials are added. Si, ACM Transactions on Mathematical
-// Software 41 (2015). TetGen is under the AGPL: it is linked only where CMake was told so (HEARTGEN_TETGEN).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Constrained Delaunay refinement between given surfaces: TetGen hidden behind plain data. The surfaces stay as they
+/// are, triangle for triangle; only nodes inside the materials are added. Si, ACM Transactions on Mathematical
+/// Software 41 (2015). TetGen is under the AGPL: it is linked only where CMake was told so (HEARTGEN_TETGEN).
 #pragma once
 #include <functional>
 #include <vector>

@@ -1,4 +1,6 @@
-// Sizes that a VTK file claims, against the size that it has.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Sizes that a VTK file claims, against the size that it has.
 #pragma once
 #include <filesystem>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/adapters/vtk_guard.hpp"
 
 #include <vtkLogger.h>

@@ -1,4 +1,6 @@
-// What the VTK readers and writers share: errors. Plain header, VTK itself stays in the .cpp.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the VTK readers and writers share: errors. Plain header, VTK itself stays in the .cpp.
 #pragma once
 #include <filesystem>
 #include <functional>

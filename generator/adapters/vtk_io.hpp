@@ -1,15 +1,17 @@
-// Meshes as VTK files, VTK itself hidden. Written files are deterministic: appended zlib blocks, fixed settings, no
-// time stamps. Points in LPS mm. Not collective; call on one rank.
-//
-// NAME.vtu: points float64; cell arrays `region` int32, `fiber` `sheet` `sheet_normal` float64×3,
-//   `rule_difference_deg` float32, `parent_cell` int32; point arrays `fiber` `sheet` `sheet_normal`, `fiber_source`
-//   uint8, `parent_node` int32. Empty arrays are left out.
-// NAME.vtp: the points that faces or rims use; cell array `surface` int32; point array `GlobalNodeID` int32, the
-//   1-based node in NAME.vtu; per rim one uint8 point array with the rim's name (1 on the rim), because a node may
-//   lie on several rims; field array `rim_tag` int32 with the rims' tags in the order of these arrays.
-//
-// Readers throw UserError naming the file when it is missing, truncated, inconsistent or of another kind; VTK's own
-// messages are captured into the error, nothing is printed.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Meshes as VTK files, VTK itself hidden. Written files are deterministic: appended zlib blocks, fixed settings, no
+/// time stamps. Points in LPS mm. Not collective; call on one rank.
+///
+/// NAME.vtu: points float64; cell arrays `region` int32, `fiber` `sheet` `sheet_normal` float64×3,
+///   `rule_difference_deg` float32, `parent_cell` int32; point arrays `fiber` `sheet` `sheet_normal`, `fiber_source`
+///   uint8, `parent_node` int32. Empty arrays are left out.
+/// NAME.vtp: the points that faces or rims use; cell array `surface` int32; point array `GlobalNodeID` int32, the
+///   1-based node in NAME.vtu; per rim one uint8 point array with the rim's name (1 on the rim), because a node may
+///   lie on several rims; field array `rim_tag` int32 with the rims' tags in the order of these arrays.
+///
+/// Readers throw UserError naming the file when it is missing, truncated, inconsistent or of another kind; VTK's own
+/// messages are captured into the error, nothing is printed.
 #pragma once
 #include <cstdint>
 #include <filesystem>

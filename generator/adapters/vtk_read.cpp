@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The reading half of vtk_io.hpp.
 #include <SMP/Common/vtkSMPToolsAPI.h>
 #include <fmt/format.h>

@@ -1,6 +1,8 @@
-// Contrast-filled blood with a threshold that follows the local contrast. One global threshold fails where the right
-// heart is less enhanced than the left one, where contrast has not mixed with unenhanced blood, or where it is so
-// dense that it makes streaks: every place is cut half-way between muscle and the blood next to it instead.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Contrast-filled blood with a threshold that follows the local contrast. One global threshold fails where the right
+/// heart is less enhanced than the left one, where contrast has not mixed with unenhanced blood, or where it is so
+/// dense that it makes streaks: every place is cut half-way between muscle and the blood next to it instead.
 #pragma once
 #include "model/landmarks.hpp"
 #include "model/volume.hpp"

@@ -1,4 +1,6 @@
-// Everything around the heart: the body inside the skin, lungs, bone and liver.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Everything around the heart: the body inside the skin, lungs, bone and liver.
 #pragma once
 #include "generator/pde/hierarchy.hpp"
 #include "model/landmarks.hpp"

@@ -1,5 +1,7 @@
-// Private to this folder: airways that are too thin for a contour of high curvature weight (thesis 6.2.1 leaves them
-// out), followed from the wide ones on.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: airways that are too thin for a contour of high curvature weight (thesis 6.2.1 leaves them
+/// out), followed from the wide ones on.
 #pragma once
 #include "model/volume.hpp"
 

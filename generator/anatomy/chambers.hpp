@@ -1,5 +1,7 @@
-// Chambers and great vessels out of the contrast-filled blood (thesis 6.2: components of seeds, separated at the
-// planes of the valves).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Chambers and great vessels out of the contrast-filled blood (thesis 6.2: components of seeds, separated at the
+/// planes of the valves).
 #pragma once
 #include "generator/pde/hierarchy.hpp"
 #include "model/landmarks.hpp"

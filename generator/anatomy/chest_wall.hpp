@@ -1,4 +1,6 @@
-// Ribs, muscles and skin in front of and beside the lungs.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Ribs, muscles and skin in front of and beside the lungs.
 #pragma once
 #include "model/volume.hpp"
 

@@ -1,5 +1,7 @@
-// The walls of the heart (thesis 7.2, 7.3): the epicardium of the ventricles, then of the atria, each as the minimal
-// cut in a band around the cavities.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The walls of the heart (thesis 7.2, 7.3): the epicardium of the ventricles, then of the atria, each as the minimal
+/// cut in a band around the cavities.
 #pragma once
 #include "generator/parallel/comm.hpp"
 #include "model/recipe.hpp"

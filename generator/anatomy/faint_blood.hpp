@@ -1,18 +1,20 @@
-// The right heart where contrast hardly reached it: blood a little brighter or darker than muscle, or as bright.
-//
-// Two sources are weighed against each other. The grey value: with blood and muscle of known grey values and noise of
-// known power N (HU² mm³), a voxel of grey value g speaks for blood with (b - m) (g - (b + m) / 2) / N nats per mm³.
-// And usual anatomy: the right heart fills the soft tissue inside the epicardial fat, less a free wall, the left
-// ventricle's wall and the thin walls beside the left atrium and the aorta. How thick free wall and septum are is
-// measured first: on average, one number each, for which the grey values of the whole wall speak together, and then
-// from place to place (wall_thickness.hpp).
-//
-// The contour is the global minimum of mu (area - ∫ n·N) - ∫ evidence, n its normal and N that of the surfaces parallel
-// to usual anatomy's. The flux of N (Kimmel and Bruckstein 2003) makes mu the price of leaving anatomy's direction, not
-// of curvature: area alone eats thin edges and round caps. By the divergence theorem it is evidence of its own,
-// -mu div N, and the rest is the convex problem of Chan, Esedoglu and Nikolova (2006), solved by total variation of the
-// evidence (its zero level; Chambolle 2005). Where the contrast is good the grey value decides, where there is none
-// the anatomy does.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The right heart where contrast hardly reached it: blood a little brighter or darker than muscle, or as bright.
+///
+/// Two sources are weighed against each other. The grey value: with blood and muscle of known grey values and noise of
+/// known power N (HU² mm³), a voxel of grey value g speaks for blood with (b - m) (g - (b + m) / 2) / N nats per mm³.
+/// And usual anatomy: the right heart fills the soft tissue inside the epicardial fat, less a free wall, the left
+/// ventricle's wall and the thin walls beside the left atrium and the aorta. How thick free wall and septum are is
+/// measured first: on average, one number each, for which the grey values of the whole wall speak together, and then
+/// from place to place (wall_thickness.hpp).
+///
+/// The contour is the global minimum of mu (area - ∫ n·N) - ∫ evidence, n its normal and N that of the surfaces
+/// parallel to usual anatomy's. The flux of N (Kimmel and Bruckstein 2003) makes mu the price of leaving anatomy's
+/// direction, not of curvature: area alone eats thin edges and round caps. By the divergence theorem it is evidence of
+/// its own, -mu div N, and the rest is the convex problem of Chan, Esedoglu and Nikolova (2006), solved by total
+/// variation of the evidence (its zero level; Chambolle 2005). Where the contrast is good the grey value decides, where
+/// there is none the anatomy does.
 #pragma once
 #include "model/volume.hpp"
 

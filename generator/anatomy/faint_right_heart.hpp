@@ -1,4 +1,7 @@
-// The right heart's blood at full resolution where it is hardly brighter, or darker, than muscle (see faint_blood.hpp).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The right heart's blood at full resolution where it is hardly brighter, or darker, than muscle (see
+/// faint_blood.hpp).
 #pragma once
 #include "model/landmarks.hpp"
 #include "model/volume.hpp"

@@ -1,4 +1,6 @@
-// One label map out of the stages' results.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// One label map out of the stages' results.
 #pragma once
 #include "generator/anatomy/body.hpp"
 #include "model/volume.hpp"

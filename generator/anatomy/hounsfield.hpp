@@ -1,4 +1,6 @@
-// A CT's grey values, and whether they can be Hounsfield units at all: air -1000, fat -100, water 0.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A CT's grey values, and whether they can be Hounsfield units at all: air -1000, fat -100, water 0.
 #pragma once
 #include <string>
 

@@ -1,4 +1,6 @@
-// The liver as a thick region of one grey value, around a seed or where a liver lies.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The liver as a thick region of one grey value, around a seed or where a liver lies.
 #pragma once
 #include "model/vec.hpp"
 #include "model/volume.hpp"

@@ -1,11 +1,13 @@
-// Papillary muscles and bands in blood that hardly differs from muscle.
-//
-// A muscle of a few mm across is far too small for its surface to be paid for by the contrast (see faint_blood.hpp),
-// yet the grey values inside a whole papillary muscle add up. So they are sought as what they are, rods with round
-// ends, as blurred as the image shows them: the sum of the evidence along lines of thirteen directions gives the first
-// guesses, the best rod near each is found by moving its ends and its radius, and the best ones are kept that chance
-// does not explain. What chance does is seen in the same image mirrored at blood's grey value: there is no muscle in
-// it, but as much noise of the same grain.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Papillary muscles and bands in blood that hardly differs from muscle.
+///
+/// A muscle of a few mm across is far too small for its surface to be paid for by the contrast (see faint_blood.hpp),
+/// yet the grey values inside a whole papillary muscle add up. So they are sought as what they are, rods with round
+/// ends, as blurred as the image shows them: the sum of the evidence along lines of thirteen directions gives the first
+/// guesses, the best rod near each is found by moving its ends and its radius, and the best ones are kept that chance
+/// does not explain. What chance does is seen in the same image mirrored at blood's grey value: there is no muscle in
+/// it, but as much noise of the same grain.
 #pragma once
 #include <optional>
 #include <vector>

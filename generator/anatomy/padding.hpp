@@ -1,5 +1,7 @@
-// Images whose scanner measured a disc or a box only, with one value put around it. Lungs that the field of view cuts
-// open into that value as into the air around a body. A wall of fat around what was measured closes them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Images whose scanner measured a disc or a box only, with one value put around it. Lungs that the field of view cuts
+/// open into that value as into the air around a body. A wall of fat around what was measured closes them.
 #pragma once
 #include <cstdint>
 #include <vector>

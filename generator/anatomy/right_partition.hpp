@@ -1,10 +1,12 @@
-// The wall between the right ventricle and the right atrium, where blood hardly differs from muscle (see
-// faint_blood.hpp).
-//
-// Around the tricuspid orifice the ventricle's wall ends at the valve's ring, and the atrium with its appendage lies
-// against it: fat, lung and the left heart are far away, so that no distance from them tells where this wall is. It
-// runs where the two cavities are divided, as thick as the free wall, and the grey values move it from place to place
-// to where they say it is.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The wall between the right ventricle and the right atrium, where blood hardly differs from muscle (see
+/// faint_blood.hpp).
+///
+/// Around the tricuspid orifice the ventricle's wall ends at the valve's ring, and the atrium with its appendage lies
+/// against it: fat, lung and the left heart are far away, so that no distance from them tells where this wall is. It
+/// runs where the two cavities are divided, as thick as the free wall, and the grey values move it from place to place
+/// to where they say it is.
 #pragma once
 #include "generator/anatomy/faint_blood.hpp"
 #include "model/landmarks.hpp"

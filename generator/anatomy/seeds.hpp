@@ -1,4 +1,6 @@
-// Seeds as voxels, with errors that tell the user which seed is wrong and why.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Seeds as voxels, with errors that tell the user which seed is wrong and why.
 #pragma once
 #include <string>
 

@@ -1,5 +1,7 @@
-// The spinal canal: soft tissue that the vertebrae close around, slice by slice, and that must not be filled as their
-// marrow is.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The spinal canal: soft tissue that the vertebrae close around, slice by slice, and that must not be filled as their
+/// marrow is.
 #pragma once
 #include "model/volume.hpp"
 

@@ -1,4 +1,6 @@
-// The lumen of the trachea (thesis 6.2.1): air around a seed, with a size limit against leaks into the lungs.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The lumen of the trachea (thesis 6.2.1): air around a seed, with a size limit against leaks into the lungs.
 #pragma once
 #include "generator/pde/hierarchy.hpp"
 #include "model/landmarks.hpp"

@@ -1,5 +1,7 @@
-// The lumen of one vessel (a carotid) out of an angiogram, in the three steps of thesis 8.3.3: a threshold, a contour
-// that moves to the edge, and a smoothing by total variation.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The lumen of one vessel (a carotid) out of an angiogram, in the three steps of thesis 8.3.3: a threshold, a contour
+/// that moves to the edge, and a smoothing by total variation.
 #pragma once
 #include "model/vec.hpp"
 #include "model/volume.hpp"

@@ -1,4 +1,6 @@
-// Where the heart's vessels end in the model: arteries cut flat and perpendicular to their axis, veins cut to stumps.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Where the heart's vessels end in the model: arteries cut flat and perpendicular to their axis, veins cut to stumps.
 #pragma once
 #include "model/landmarks.hpp"
 #include "model/volume.hpp"

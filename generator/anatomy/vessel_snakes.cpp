@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/anatomy/vessel_snakes.hpp"
 
 #include <algorithm>

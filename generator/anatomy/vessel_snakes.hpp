@@ -1,5 +1,7 @@
-// The lumen of one vessel (a carotid) by a closed snake in every slice (thesis 8.3.3: threshold, snake, smoothing by
-// total variation).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The lumen of one vessel (a carotid) by a closed snake in every slice (thesis 8.3.3: threshold, snake, smoothing by
+/// total variation).
 #pragma once
 #include "model/vec.hpp"
 #include "model/volume.hpp"

@@ -1,4 +1,6 @@
-// Private to this folder: the band around a cavity in which the outer surface of its wall is cut (thesis 7.2).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the band around a cavity in which the outer surface of its wall is cut (thesis 7.2).
 #pragma once
 #include "generator/pde/continuous_min_cut.hpp"
 #include "model/volume.hpp"

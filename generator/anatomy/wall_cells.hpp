@@ -1,4 +1,6 @@
-// Private to this folder: the heart's part of the image, and which chamber's wall a voxel can belong to.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the heart's part of the image, and which chamber's wall a voxel can belong to.
 #pragma once
 #include "model/crop.hpp"
 #include "model/labels.hpp"

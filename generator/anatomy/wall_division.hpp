@@ -1,4 +1,6 @@
-// Private to this folder: which part of the ventricles' wall is the left one's.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: which part of the ventricles' wall is the left one's.
 #pragma once
 #include "generator/anatomy/wall_cells.hpp"
 

@@ -1,10 +1,12 @@
-// How thick a wall is from place to place, where blood hardly differs from muscle (see faint_blood.hpp).
-//
-// A surface that lies this or that deep behind another is a curve of one number a place, so many grey values can speak
-// for one number: at every place the evidence of the voxels beyond a thickness is summed for every thickness,
-// neighbours count by a Gaussian of their distance along the surface, and the mean of what is then likely is taken (a
-// posterior mean, with a Gaussian prior around the mean thickness). It errs less than the most likely contour of a
-// whole region.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How thick a wall is from place to place, where blood hardly differs from muscle (see faint_blood.hpp).
+///
+/// A surface that lies this or that deep behind another is a curve of one number a place, so many grey values can speak
+/// for one number: at every place the evidence of the voxels beyond a thickness is summed for every thickness,
+/// neighbours count by a Gaussian of their distance along the surface, and the mean of what is then likely is taken (a
+/// posterior mean, with a Gaussian prior around the mean thickness). It errs less than the most likely contour of a
+/// whole region.
 #pragma once
 #include "generator/anatomy/faint_blood.hpp"
 

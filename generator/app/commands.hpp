@@ -1,5 +1,7 @@
-// One function per subcommand. Each returns the exit code: 0 done, 3 validation below its thresholds. User mistakes
-// are thrown as UserError (2). Results go to standard output, as text or, with `json`, as one JSON document.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// One function per subcommand. Each returns the exit code: 0 done, 3 validation below its thresholds. User mistakes
+/// are thrown as UserError (2). Results go to standard output, as text or, with `json`, as one JSON document.
 #pragma once
 #include <map>
 #include <optional>

@@ -1,4 +1,6 @@
-// `heartgen contours`: deformable contours on an image.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen contours`: deformable contours on an image.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,6 @@
-// heartgen improve: better angles for anybody's tetrahedral mesh.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// heartgen improve: better angles for anybody's tetrahedral mesh.
 #pragma once
 #include <string>
 #include <vector>

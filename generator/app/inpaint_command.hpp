@@ -1,4 +1,6 @@
-// `heartgen inpaint`: fills the gaps in an image of fibre axes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen inpaint`: fills the gaps in an image of fibre axes.
 #pragma once
 #include <string>
 #include <vector>

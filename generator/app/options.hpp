@@ -1,4 +1,6 @@
-// The commands of heartgen: one struct that parsing fills, and the functions that add them with their options.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The commands of heartgen: one struct that parsing fills, and the functions that add them with their options.
 #pragma once
 #include <string>
 

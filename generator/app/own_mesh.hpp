@@ -1,4 +1,6 @@
-// A tetrahedral mesh of the user's own, made ready for what else takes the meshes of a bundle.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A tetrahedral mesh of the user's own, made ready for what else takes the meshes of a bundle.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // `validate` and `export` of a mesh of the user's own.
 #include <fmt/format.h>
 

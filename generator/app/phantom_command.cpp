@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // `heartgen phantom`: the analytic data set on disk, with a recipe that builds it.
 #include <fmt/format.h>
 

@@ -1,4 +1,6 @@
-// The analytic data set as the files that a build reads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The analytic data set as the files that a build reads.
 #pragma once
 #include <filesystem>
 

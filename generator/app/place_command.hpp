@@ -1,4 +1,6 @@
-// heartgen place: a heart in another patient's torso, as one label map to build from.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// heartgen place: a heart in another patient's torso, as one label map to build from.
 #pragma once
 #include <string>
 

@@ -1,4 +1,6 @@
-// `heartgen segment`: the recipe's tree of splits on any image, 2D or 3D.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// `heartgen segment`: the recipe's tree of splits on any image, 2D or 3D.
 #pragma once
 #include <string>
 

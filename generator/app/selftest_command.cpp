@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // `heartgen selftest`: a small built-in case, and whether this machine computes it to the expected bits.
 #include <fmt/format.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/app/slice_command.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,6 @@
-// heartgen slice: the mesh of one transverse slice.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// heartgen slice: the mesh of one transverse slice.
 #pragma once
 #include <cstdint>
 #include <optional>

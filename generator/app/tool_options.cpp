@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/app/options.hpp"
 #include "generator/command_line/heart_options.hpp"
 

@@ -1,4 +1,6 @@
-// heartgen transfer: the fibres of one mesh on another mesh of the same heart.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// heartgen transfer: the fibres of one mesh on another mesh of the same heart.
 #pragma once
 #include <string>
 

@@ -1,4 +1,6 @@
-// How a fibre atlas is made and read.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How a fibre atlas is made and read.
 #pragma once
 #include <string>
 #include <vector>

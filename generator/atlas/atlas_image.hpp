@@ -1,4 +1,6 @@
-// An atlas's mesh on a grid.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// An atlas's mesh on a grid.
 #pragma once
 #include "generator/ventricles/ventricles.hpp"
 #include "model/fiber_atlas.hpp"

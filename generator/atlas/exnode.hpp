@@ -1,6 +1,8 @@
-// Fibre atlases in the exchange format of CMISS and OpenCMISS-Zinc: NAME.exnode with the values at nodes, NAME.exelem
-// with the elements, each plain or gzipped. Read are hexahedra with linear Lagrange and cubic Hermite bases along each
-// axis, coordinates that are prolate spheroidal or Cartesian, and an anatomical field of fibre angles.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fibre atlases in the exchange format of CMISS and OpenCMISS-Zinc: NAME.exnode with the values at nodes, NAME.exelem
+/// with the elements, each plain or gzipped. Read are hexahedra with linear Lagrange and cubic Hermite bases along each
+/// axis, coordinates that are prolate spheroidal or Cartesian, and an anatomical field of fibre angles.
 #pragma once
 #include <string>
 

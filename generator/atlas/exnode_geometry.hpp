@@ -1,4 +1,6 @@
-// Elements of .exelem files as functions of their own coordinates: positions and fibres. Private to exnode.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Elements of .exelem files as functions of their own coordinates: positions and fibres. Private to exnode.
 #pragma once
 #include <array>
 #include <string>

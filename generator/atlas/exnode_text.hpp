@@ -1,4 +1,6 @@
-// The text of .exnode and .exelem files as plain data, not yet evaluated. Private to exnode.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The text of .exnode and .exelem files as plain data, not yet evaluated. Private to exnode.
 #pragma once
 #include <array>
 #include <map>

@@ -1,4 +1,6 @@
-// Axes of cells, which hold at their middles, taken to the points of the mesh.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Axes of cells, which hold at their middles, taken to the points of the mesh.
 #pragma once
 #include <vector>
 

@@ -1,5 +1,7 @@
-// Affine alignment of the atlas with the patient: long axes and RV sides first, then least squares on distance maps.
-// Not collective.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Affine alignment of the atlas with the patient: long axes and RV sides first, then least squares on distance maps.
+/// Not collective.
 #pragma once
 #include "generator/adapters/ceres_pose.hpp"
 #include "generator/ventricles/ventricles.hpp"

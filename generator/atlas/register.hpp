@@ -1,5 +1,7 @@
-// Where every point of the patient's ventricles lies in the atlas: affine pose, then diffeomorphic demons on label
-// images (thesis 9.1, 9.2; the images hold one value per part instead of muscle | rest). Not collective.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Where every point of the patient's ventricles lies in the atlas: affine pose, then diffeomorphic demons on label
+/// images (thesis 9.1, 9.2; the images hold one value per part instead of muscle | rest). Not collective.
 #pragma once
 #include "generator/atlas/pose.hpp"
 #include "model/recipe.hpp"

@@ -1,5 +1,7 @@
-// An atlas in a position and size that only its own shape decides, so that neither the frame nor the unit of its file
-// reaches what is carried from it. Not collective.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// An atlas in a position and size that only its own shape decides, so that neither the frame nor the unit of its file
+/// reaches what is carried from it. Not collective.
 #pragma once
 #include "generator/atlas/atlas.hpp"
 

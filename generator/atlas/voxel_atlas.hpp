@@ -1,4 +1,6 @@
-// Fibre atlases that are images: a vector or a diffusion tensor per voxel, and the muscle as a mask.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fibre atlases that are images: a vector or a diffusion tensor per voxel, and the muscle as a mask.
 #pragma once
 #include <string>
 

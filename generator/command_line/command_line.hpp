@@ -1,5 +1,7 @@
-// What every program of ours does with its command line: parse it, run what was chosen, turn errors into one message
-// and an exit code, say that long work goes on, end cleanly.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What every program of ours does with its command line: parse it, run what was chosen, turn errors into one message
+/// and an exit code, say that long work goes on, end cleanly.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>

@@ -1,4 +1,6 @@
-// What makes a phantom's heart unusual, as options.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What makes a phantom's heart unusual, as options.
 #pragma once
 #include <CLI/CLI.hpp>
 

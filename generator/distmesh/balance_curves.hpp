@@ -1,6 +1,8 @@
-// The sides of a polygon in a curve all lie on its hollow side: areas shrink, and every side errs to one side. A small
-// shift of the nodes to the other side sets the area right and lowers the greatest distance (see
-// surface_fit/volume_correction.hpp).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The sides of a polygon in a curve all lie on its hollow side: areas shrink, and every side errs to one side. A small
+/// shift of the nodes to the other side sets the area right and lowers the greatest distance (see
+/// surface_fit/volume_correction.hpp).
 #pragma once
 #include "generator/distmesh/triangles.hpp"
 

@@ -1,10 +1,12 @@
-// Nodes near an interface are bound to it, so that edges do not cross interfaces.
-//
-// An edge crosses an interface when its ends have no label in common. Of its ends, the one nearer to the crossing moves
-// there and touches both labels from then on; forces then move it along the interface only. (Thesis 8.2, step 6,
-// projects every node nearer than half an edge; going by edges does the same where one interface is near, and chooses
-// where several are.) Where the nodes of a triangle have no label in common, more materials meet inside it: the
-// nearest node moves onto that point or curve.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Nodes near an interface are bound to it, so that edges do not cross interfaces.
+///
+/// An edge crosses an interface when its ends have no label in common. Of its ends, the one nearer to the crossing
+/// moves there and touches both labels from then on; forces then move it along the interface only. (Thesis 8.2, step 6,
+/// projects every node nearer than half an edge; going by edges does the same where one interface is near, and chooses
+/// where several are.) Where the nodes of a triangle have no label in common, more materials meet inside it: the
+/// nearest node moves onto that point or curve.
 #pragma once
 
 #include "generator/distmesh/connect.hpp"

@@ -1,4 +1,6 @@
-// The Delaunay simplices of nodes and their edges.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The Delaunay simplices of nodes and their edges.
 #pragma once
 #include <array>
 #include <cstdint>

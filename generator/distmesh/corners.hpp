@@ -1,4 +1,6 @@
-// The points of a plane where three materials meet, or two at a side of the box: known before any node moves.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The points of a plane where three materials meet, or two at a side of the box: known before any node moves.
 #pragma once
 #include "generator/distmesh/nodes.hpp"
 

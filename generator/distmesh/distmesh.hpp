@@ -1,15 +1,17 @@
-// DistMesh: nodes in a truss of bars that push, with every interface between materials respected. Persson and Strang
-// 2004; interfaces and size field: thesis 8.2.
-//
-// 1. Nodes are laid out by the wanted edge length (start.hpp).
-// 2. Their Delaunay simplices give the bars. A bar of length L pushes its ends apart with the force max(L0 - L, 0),
-//    where L0 is the wanted length times `pressure`, scaled so that all bars together have the size of the truss.
-// 3. Nodes move by a share of their force. Bound nodes are brought back to their interface by Newton's method on its
-//    equations: the step value / |gradient|^2 * gradient, thesis (8.2) without the need of a signed distance.
-// 4. After every new triangulation edges that cross interfaces are resolved (bind.hpp); bars far too short lose an
-//    end, bars far too long get a node in the middle.
-// 5. It ends when no node moves by more than a small share of its edge, or after `iterations`.
-// Same input, same bits.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// DistMesh: nodes in a truss of bars that push, with every interface between materials respected. Persson and Strang
+/// 2004; interfaces and size field: thesis 8.2.
+///
+/// 1. Nodes are laid out by the wanted edge length (start.hpp).
+/// 2. Their Delaunay simplices give the bars. A bar of length L pushes its ends apart with the force max(L0 - L, 0),
+///    where L0 is the wanted length times `pressure`, scaled so that all bars together have the size of the truss.
+/// 3. Nodes move by a share of their force. Bound nodes are brought back to their interface by Newton's method on its
+///    equations: the step value / |gradient|^2 * gradient, thesis (8.2) without the need of a signed distance.
+/// 4. After every new triangulation edges that cross interfaces are resolved (bind.hpp); bars far too short lose an
+///    end, bars far too long get a node in the middle.
+/// 5. It ends when no node moves by more than a small share of its edge, or after `iterations`.
+/// Same input, same bits.
 #pragma once
 #include <functional>
 #include <span>

@@ -1,5 +1,7 @@
-// Raises the least angles of a triangle mesh of several materials: nodes move, edges flip, shrink to a node or get one
-// in the middle, and tips of a material too sharp for a triangle are cut off.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Raises the least angles of a triangle mesh of several materials: nodes move, edges flip, shrink to a node or get one
+/// in the middle, and tips of a material too sharp for a triangle are cut off.
 #pragma once
 #include <cstdint>
 

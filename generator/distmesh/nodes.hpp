@@ -1,5 +1,7 @@
-// Nodes that move, and where they may lie. Two dimensions are three with z = 0: the materials of a plane have equations
-// without a z component and a box without sides in z (see `unbounded_mm`).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Nodes that move, and where they may lie. Two dimensions are three with z = 0: the materials of a plane have
+/// equations without a z component and a box without sides in z (see `unbounded_mm`).
 #pragma once
 #include <bit>
 #include <cstdint>

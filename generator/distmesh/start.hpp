@@ -1,4 +1,6 @@
-// First nodes: a dense regular lattice, thinned to the wanted edge length.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// First nodes: a dense regular lattice, thinned to the wanted edge length.
 #pragma once
 #include "generator/distmesh/nodes.hpp"
 

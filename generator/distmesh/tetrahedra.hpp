@@ -1,5 +1,7 @@
-// The tetrahedra of a truss in three dimensions, ready for repair: the Delaunay criterion does not prevent slivers
-// (thesis 8.2), the lattice mesher's repair takes them away.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The tetrahedra of a truss in three dimensions, ready for repair: the Delaunay criterion does not prevent slivers
+/// (thesis 8.2), the lattice mesher's repair takes them away.
 #pragma once
 #include "generator/distmesh/distmesh.hpp"
 #include "generator/tetmesh/complex.hpp"

@@ -1,6 +1,8 @@
-// A triangle mesh of several materials that can be changed: triangles come and go, and every node knows its triangles.
-// The labels of the triangles are the truth about where materials are; a node `touches` the labels of its triangles,
-// the outside (bit 0) where the mesh ends, and the sides of the box on which it lies.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A triangle mesh of several materials that can be changed: triangles come and go, and every node knows its triangles.
+/// The labels of the triangles are the truth about where materials are; a node `touches` the labels of its triangles,
+/// the outside (bit 0) where the mesh ends, and the sides of the box on which it lies.
 #pragma once
 #include <cmath>
 #include <cstdint>

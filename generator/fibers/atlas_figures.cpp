@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/fibers/atlas_figures.hpp"
 
 #include <algorithm>

@@ -1,5 +1,7 @@
-// What an atlas's own fibres are like, beside what was carried: for the certificate.
-// Not collective; the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What an atlas's own fibres are like, beside what was carried: for the certificate.
+/// Not collective; the same bits for any number of threads.
 #pragma once
 #include <vector>
 

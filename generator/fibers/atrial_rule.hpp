@@ -1,5 +1,7 @@
-// Fibres of the atria by rule (Piersanti et al. 2021): Laplace problems between the openings of a chamber divide its
-// wall into bundles; in each, fibres run along the wall and across the rise of the function that the bundle follows.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fibres of the atria by rule (Piersanti et al. 2021): Laplace problems between the openings of a chamber divide its
+/// wall into bundles; in each, fibres run along the wall and across the rise of the function that the bundle follows.
 #pragma once
 #include "generator/fibers/rule.hpp"
 #include "model/recipe.hpp"

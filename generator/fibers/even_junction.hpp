@@ -1,6 +1,8 @@
-// The ventricles' fibres where their walls meet. Between two walls' axes that stand nearly at right angles to one
-// another the mean of their dyads flips within an edge; relaxed as unit axes they turn over the whole width in which
-// the walls are blended. Not collective; the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The ventricles' fibres where their walls meet. Between two walls' axes that stand nearly at right angles to one
+/// another the mean of their dyads flips within an edge; relaxed as unit axes they turn over the whole width in which
+/// the walls are blended. Not collective; the same bits for any number of threads.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,6 @@
-// Orthonormal material axes from a fibre axis and the wall's normal, on nodes and on cells.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Orthonormal material axes from a fibre axis and the wall's normal, on nodes and on cells.
 #pragma once
 #include <vector>
 

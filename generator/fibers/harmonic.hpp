@@ -1,5 +1,7 @@
-// Harmonic functions on the walls of chambers, the coordinates of rule-based fibres.
-// Not collective; the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Harmonic functions on the walls of chambers, the coordinates of rule-based fibres.
+/// Not collective; the same bits for any number of threads.
 #pragma once
 #include <cstdint>
 #include <string>

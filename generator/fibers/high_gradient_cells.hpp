@@ -1,5 +1,7 @@
-// Axes of cells across which fibres turn far: in a wall of one or two cells the nodes lie on its two surfaces, 120
-// degrees apart, and a mean of their axes is that of neither and of nothing between. Not collective.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Axes of cells across which fibres turn far: in a wall of one or two cells the nodes lie on its two surfaces, 120
+/// degrees apart, and a mean of their axes is that of neither and of nothing between. Not collective.
 #pragma once
 #include <string>
 

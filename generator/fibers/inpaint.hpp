@@ -1,7 +1,9 @@
-// Fills missing axes by total variation (thesis 9.3): steady state of div(grad u / |grad u|) = 0 for the dyads
-// u = f f^T, which have no sign, on any graph of neighbours (voxel faces or mesh edges). Where missing elements meet
-// known ones the known values hold (Dirichlet); where they meet nothing, nothing flows (Neumann): the mixed boundary
-// conditions of (9.7).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fills missing axes by total variation (thesis 9.3): steady state of div(grad u / |grad u|) = 0 for the dyads
+/// u = f f^T, which have no sign, on any graph of neighbours (voxel faces or mesh edges). Where missing elements meet
+/// known ones the known values hold (Dirichlet); where they meet nothing, nothing flows (Neumann): the mixed boundary
+/// conditions of (9.7).
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,7 @@
-// Total variation inpainting of axes (inpaint.hpp) on the voxels of an image that is divided among ranks: the same
-// steps in the same order, so the same bits as on the graph of the voxels' faces, for any number of ranks and threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Total variation inpainting of axes (inpaint.hpp) on the voxels of an image that is divided among ranks: the same
+/// steps in the same order, so the same bits as on the graph of the voxels' faces, for any number of ranks and threads.
 #pragma once
 #include <cstdint>
 

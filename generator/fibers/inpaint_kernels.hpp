@@ -1,6 +1,8 @@
-// What one element does in total variation inpainting (inpaint.hpp), the same on graphs and on grids.
-// `around(visit)` calls visit(other, distance_mm) for the neighbours of an element, always in the same order;
-// `axes` and `slope` are indexed as the neighbours are.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What one element does in total variation inpainting (inpaint.hpp), the same on graphs and on grids.
+/// `around(visit)` calls visit(other, distance_mm) for the neighbours of an element, always in the same order;
+/// `axes` and `slope` are indexed as the neighbours are.
 #pragma once
 #include <cmath>
 

@@ -1,6 +1,8 @@
-// Carrying fibres as angles: the atlas's axes, written in its wall's own directions (circumferential, longitudinal,
-// normal), are looked up at a corresponding place and the same wall depth, and rebuilt in the directions of the
-// patient's wall. So neither the stretching of a warp nor a different wall thickness turns a fibre.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Carrying fibres as angles: the atlas's axes, written in its wall's own directions (circumferential, longitudinal,
+/// normal), are looked up at a corresponding place and the same wall depth, and rebuilt in the directions of the
+/// patient's wall. So neither the stretching of a warp nor a different wall thickness turns a fibre.
 #pragma once
 #include <array>
 #include <vector>

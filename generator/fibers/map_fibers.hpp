@@ -1,6 +1,8 @@
-// Fibres for a patient's myocardium from an atlas (thesis, chapter 9): pose, registration, carrying, inpainting, rule
-// for what the atlas does not have (papillary muscles, atria), and orthonormal frames on nodes and cells.
-// Serial per rank (threads inside); the same bits for any number of threads. Not collective.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fibres for a patient's myocardium from an atlas (thesis, chapter 9): pose, registration, carrying, inpainting, rule
+/// for what the atlas does not have (papillary muscles, atria), and orthonormal frames on nodes and cells.
+/// Serial per rank (threads inside); the same bits for any number of threads. Not collective.
 #pragma once
 #include <string>
 #include <vector>

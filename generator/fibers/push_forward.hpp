@@ -1,5 +1,7 @@
-// Carrying fibres as vectors (thesis 9.2, equation 9.4): the atlas's axis at the registered position, multiplied by
-// the Jacobian of the map from atlas to patient.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Carrying fibres as vectors (thesis 9.2, equation 9.4): the atlas's axis at the registered position, multiplied by
+/// the Jacobian of the map from atlas to patient.
 #pragma once
 #include <vector>
 

@@ -1,5 +1,7 @@
-// A patient's ventricles and an atlas's, aligned, and fibre axes carried from one to the other at any points.
-// Serial per rank (threads inside); the same bits for any number of threads. Not collective.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A patient's ventricles and an atlas's, aligned, and fibre axes carried from one to the other at any points.
+/// Serial per rank (threads inside); the same bits for any number of threads. Not collective.
 #pragma once
 #include <string>
 #include <vector>

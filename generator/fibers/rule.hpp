@@ -1,4 +1,6 @@
-// Fibres by rule: what the rules of ventricles and atria give, and papillary muscles, which run along themselves.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fibres by rule: what the rules of ventricles and atria give, and papillary muscles, which run along themselves.
 #pragma once
 #include <cstdint>
 #include <vector>

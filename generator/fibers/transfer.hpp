@@ -1,4 +1,6 @@
-// Fibres from one mesh of a heart to another mesh of the same heart, in the same frame: finer, coarser, or anybody's.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fibres from one mesh of a heart to another mesh of the same heart, in the same frame: finer, coarser, or anybody's.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -1,4 +1,6 @@
-// Private to this folder: the part of a grid around a point.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the part of a grid around a point.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,7 @@
-// Connected components of masks (6-neighbours, sharing a face). Labels are numbered by the first voxel in memory
-// order, so that the result is the same everywhere. Thesis 6.2: the component of a seed.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Connected components of masks (6-neighbours, sharing a face). Labels are numbered by the first voxel in memory
+/// order, so that the result is the same everywhere. Thesis 6.2: the component of a seed.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,6 @@
-// The convex hull of a mask in each slice.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The convex hull of a mask in each slice.
 #pragma once
 #include "model/volume.hpp"
 

@@ -1,6 +1,8 @@
-// Exact Euclidean distances on a voxel grid, by one lower envelope of parabolas per line and axis
-// (Felzenszwalb and Huttenlocher 2012, Maurer et al. 2003). Any spacing; lines are shared between threads, and the
-// result does not depend on how many there are.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Exact Euclidean distances on a voxel grid, by one lower envelope of parabolas per line and axis
+/// (Felzenszwalb and Huttenlocher 2012, Maurer et al. 2003). Any spacing; lines are shared between threads, and the
+/// result does not depend on how many there are.
 #pragma once
 #include "model/volume.hpp"
 

@@ -1,5 +1,7 @@
-// Floods of a mask from seeds: the marker watershed that divides the blood among its chambers, and distances along
-// the inside of a vessel.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Floods of a mask from seeds: the marker watershed that divides the blood among its chambers, and distances along
+/// the inside of a vessel.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,6 @@
-// Gaussian smoothing with a width in mm, separable, any spacing; the border value is continued.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Gaussian smoothing with a width in mm, separable, any spacing; the border value is continued.
 #pragma once
 #include "model/volume.hpp"
 

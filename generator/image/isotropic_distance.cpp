@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/image/isotropic_distance.hpp"
 
 #include <algorithm>

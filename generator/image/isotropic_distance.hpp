@@ -1,4 +1,6 @@
-// Euclidean distance maps of masks and Gaussian smoothing, on grids with isotropic spacing.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Euclidean distance maps of masks and Gaussian smoothing, on grids with isotropic spacing.
 #pragma once
 #include <functional>
 

@@ -1,4 +1,6 @@
-// What a tissue is grey like, from values that hold mixtures with its neighbours as well.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What a tissue is grey like, from values that hold mixtures with its neighbours as well.
 #pragma once
 #include <vector>
 

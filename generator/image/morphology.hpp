@@ -1,5 +1,8 @@
-// Dilation, erosion, opening and closing of masks by a ball: row by row of it where it is small, else through distance
-// transforms, whose cost does not depend on the radius. The outside of the grid counts as a continuation of its border.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Dilation, erosion, opening and closing of masks by a ball: row by row of it where it is small, else through distance
+/// transforms, whose cost does not depend on the radius. The outside of the grid counts as a continuation of its
+/// border.
 #pragma once
 #include "model/volume.hpp"
 

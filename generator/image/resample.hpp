@@ -1,4 +1,6 @@
-// Label maps of any spacing and direction on isotropic grids along LPS axes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Label maps of any spacing and direction on isotropic grids along LPS axes.
 #pragma once
 #include <functional>
 #include <map>

@@ -1,4 +1,6 @@
-// Plane sections through blood.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Plane sections through blood.
 #pragma once
 #include <optional>
 #include <vector>

@@ -1,4 +1,6 @@
-// Private to this folder: connected components of one slice.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: connected components of one slice.
 #pragma once
 #include "generator/image/components.hpp"
 #include "model/volume.hpp"

@@ -1,4 +1,6 @@
-// Private to this folder: order statistics, the 2-medians of a set of grey values, principal axes of point sets.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: order statistics, the 2-medians of a set of grey values, principal axes of point sets.
 #pragma once
 #include <array>
 #include <vector>

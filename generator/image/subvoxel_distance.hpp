@@ -1,6 +1,8 @@
-// Distances to surfaces of labels, finer than the grid that they are on. A mask says on which side of a surface a voxel
-// lies; how much of its surroundings belongs to a label says where between two voxels the surface runs. Not collective;
-// the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Distances to surfaces of labels, finer than the grid that they are on. A mask says on which side of a surface a
+/// voxel lies; how much of its surroundings belongs to a label says where between two voxels the surface runs. Not
+/// collective; the same bits for any number of threads.
 #pragma once
 #include "model/volume.hpp"
 

@@ -1,4 +1,6 @@
-// Layers of voxels around known ones, one voxel thick each. Not collective; deterministic.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Layers of voxels around known ones, one voxel thick each. Not collective; deterministic.
 #pragma once
 #include <array>
 #include <cstdint>

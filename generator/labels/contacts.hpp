@@ -1,4 +1,6 @@
-// Private to this folder: which regions of a label map touch, and over which area.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: which regions of a label map touch, and over which area.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// Gaps of a voxel or two between the blood of chambers whose masks were made one by one: valves that would be muscle.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Gaps of a voxel or two between the blood of chambers whose masks were made one by one: valves that would be muscle.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,6 @@
-// Labels from elsewhere: reading them with names and presets, and putting them on top of what our own stages make.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Labels from elsewhere: reading them with names and presets, and putting them on top of what our own stages make.
 #pragma once
 #include <string>
 #include <vector>

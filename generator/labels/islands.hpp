@@ -1,4 +1,6 @@
-// What no heart has: islands far from it, and crumbs too small for a cell of the mesh.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What no heart has: islands far from it, and crumbs too small for a cell of the mesh.
 #pragma once
 #include <vector>
 

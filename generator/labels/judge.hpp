@@ -1,5 +1,7 @@
-// Given labels that cannot be a heart: another task's numbers, volumes of no heart, organs inside the heart, and a
-// heart that lies where the CT has none.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Given labels that cannot be a heart: another task's numbers, volumes of no heart, organs inside the heart, and a
+/// heart that lies where the CT has none.
 #pragma once
 #include <string>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/labels/names_file.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,6 @@
-// Tables of label names: "52 is the aorta".
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Tables of label names: "52 is the aorta".
 #pragma once
 #include <cstdint>
 #include <map>

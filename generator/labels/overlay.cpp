@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The second half of given_labels.hpp: given labels on top of our own.
 #include <algorithm>
 #include <array>

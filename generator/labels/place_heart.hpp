@@ -1,5 +1,7 @@
-// A heart in another patient's torso (thesis 8.3.5). The heart and its grid stay where they are, so that landmarks,
-// fibres and grey values still belong to them; the torso is brought to the heart.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A heart in another patient's torso (thesis 8.3.5). The heart and its grid stay where they are, so that landmarks,
+/// fibres and grey values still belong to them; the torso is brought to the heart.
 #pragma once
 #include <string>
 #include <vector>

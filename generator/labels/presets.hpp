@@ -1,4 +1,6 @@
-// What the values and names of well-known label maps mean.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the values and names of well-known label maps mean.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -1,4 +1,6 @@
-// Labels whose names were exchanged between left and right, or between the great vessels.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Labels whose names were exchanged between left and right, or between the great vessels.
 #pragma once
 #include <string>
 

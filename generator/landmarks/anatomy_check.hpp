@@ -1,4 +1,6 @@
-// Private to this folder: does what was found look like the heart of an adult?
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: does what was found look like the heart of an adult?
 #pragma once
 #include <optional>
 

@@ -1,4 +1,6 @@
-// Private to this folder: the right heart's first basin, and a chamber for every other basin.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the right heart's first basin, and a chamber for every other basin.
 #pragma once
 #include "generator/landmarks/left_heart.hpp"
 

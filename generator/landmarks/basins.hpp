@@ -1,7 +1,9 @@
-// Private to this folder: the blood divided into basins at its constrictions, and the graph of their neighbourhood.
-// A watershed of the depth (distance to the wall): voxels are added from the deepest to the shallowest; where two
-// basins meet they are joined if the way between them is nearly as wide as the narrower one, else the line between
-// them stays. The lines fall on the valves.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the blood divided into basins at its constrictions, and the graph of their neighbourhood.
+/// A watershed of the depth (distance to the wall): voxels are added from the deepest to the shallowest; where two
+/// basins meet they are joined if the way between them is nearly as wide as the narrower one, else the line between
+/// them stays. The lines fall on the valves.
 #pragma once
 #include <cstdint>
 #include <map>

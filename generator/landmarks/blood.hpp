@@ -1,4 +1,6 @@
-// Private to this folder: the contrast-filled blood of the heart, and where the heart is.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the contrast-filled blood of the heart, and where the heart is.
 #pragma once
 #include "generator/landmarks/contrast.hpp"
 

@@ -1,4 +1,6 @@
-// Private to this folder: the surface in which two regions of a label map touch.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the surface in which two regions of a label map touch.
 #pragma once
 #include <array>
 #include <vector>

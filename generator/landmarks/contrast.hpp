@@ -1,4 +1,6 @@
-// Private to this folder: grey values of soft tissue and of contrast-filled blood.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: grey values of soft tissue and of contrast-filled blood.
 #pragma once
 #include "generator/landmarks/thorax.hpp"
 #include "generator/landmarks/working_image.hpp"

@@ -1,4 +1,6 @@
-// Private to this folder: does the field of view hold both ventricles?
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: does the field of view hold both ventricles?
 #pragma once
 #include "model/volume.hpp"
 

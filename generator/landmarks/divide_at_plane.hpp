@@ -1,4 +1,6 @@
-// Private to this folder: moves the border between two pools to a plane.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: moves the border between two pools to a plane.
 #pragma once
 #include "model/labels.hpp"
 #include "model/volume.hpp"

@@ -1,4 +1,6 @@
-// Private to this folder: the right heart where its blood is hardly brighter, or darker, than muscle.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the right heart where its blood is hardly brighter, or darker, than muscle.
 #pragma once
 #include <optional>
 

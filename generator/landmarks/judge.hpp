@@ -1,4 +1,6 @@
-// How far automatic landmarks can be trusted: the two limits of their confidence.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How far automatic landmarks can be trusted: the two limits of their confidence.
 #pragma once
 #include <array>
 #include <cstdint>

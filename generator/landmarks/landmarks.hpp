@@ -1,5 +1,7 @@
-// Seeds, valve planes and the long axis of the left ventricle, found in a contrast-enhanced CT without a click (in
-// place of the clicks of thesis 6.2).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Seeds, valve planes and the long axis of the left ventricle, found in a contrast-enhanced CT without a click (in
+/// place of the clicks of thesis 6.2).
 #pragma once
 #include <map>
 #include <string>

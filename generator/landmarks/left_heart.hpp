@@ -1,4 +1,6 @@
-// Private to this folder: which basins are the left ventricle, the left atrium and the aorta.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: which basins are the left ventricle, the left atrium and the aorta.
 #pragma once
 #include <optional>
 

@@ -1,4 +1,6 @@
-// Private to this folder: what lies around the pool that was taken for the left ventricle.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: what lies around the pool that was taken for the left ventricle.
 #pragma once
 #include "model/labels.hpp"
 #include "model/volume.hpp"

@@ -1,4 +1,6 @@
-// Private to this folder: the left ventricle's long axis and apex.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the left ventricle's long axis and apex.
 #pragma once
 #include "generator/landmarks/working_image.hpp"
 

@@ -1,9 +1,11 @@
-// Private to this folder: the orifice between two pools whose blood is hardly brighter, or darker, than muscle.
-//
-// No threshold shows such an orifice, but the sum over a whole section does: with blood and muscle of known grey values
-// every voxel gives an unbiased estimate of its share of blood, and the noise of thousands of voxels averages out. The
-// orifice is the disc in a plane, blood inside and muscle around, that the grey values speak for most (maximum
-// likelihood).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the orifice between two pools whose blood is hardly brighter, or darker, than muscle.
+///
+/// No threshold shows such an orifice, but the sum over a whole section does: with blood and muscle of known grey
+/// values every voxel gives an unbiased estimate of its share of blood, and the noise of thousands of voxels averages
+/// out. The orifice is the disc in a plane, blood inside and muscle around, that the grey values speak for most
+/// (maximum likelihood).
 #pragma once
 #include <optional>
 

@@ -1,4 +1,6 @@
-// Private to this folder: what is known about each basin of blood, and which chamber or vessel it belongs to.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: what is known about each basin of blood, and which chamber or vessel it belongs to.
 #pragma once
 #include <map>
 #include <vector>

@@ -1,4 +1,6 @@
-// Private to this folder: the pulmonary valve, which no constriction marks.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the pulmonary valve, which no constriction marks.
 #pragma once
 #include "generator/landmarks/faint_right_heart.hpp"
 #include "generator/landmarks/valve_patch.hpp"

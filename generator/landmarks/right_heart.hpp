@@ -1,4 +1,6 @@
-// Private to this folder: the right heart's blood divided into ventricle, atrium and pulmonary artery.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the right heart's blood divided into ventricle, atrium and pulmonary artery.
 #pragma once
 #include "generator/landmarks/long_axis.hpp"
 

@@ -1,4 +1,6 @@
-// The search as a whole, with everything it leaves behind (for tests and pictures).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The search as a whole, with everything it leaves behind (for tests and pictures).
 #pragma once
 #include <string>
 #include <utility>

@@ -1,4 +1,6 @@
-// Private to this folder: the centre line of the spine.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the centre line of the spine.
 #pragma once
 #include "generator/landmarks/thorax.hpp"
 

@@ -1,4 +1,6 @@
-// Private to this folder: what surrounds the heart - lungs, the space between them, the spine.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: what surrounds the heart - lungs, the space between them, the spine.
 #pragma once
 #include <vector>
 

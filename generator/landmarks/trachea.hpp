@@ -1,4 +1,6 @@
-// Private to this folder: the trachea as a chain of round discs of air.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the trachea as a chain of round discs of air.
 #pragma once
 #include <optional>
 

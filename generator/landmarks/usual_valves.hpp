@@ -1,5 +1,7 @@
-// Private to this folder: where the right heart's valves usually lie beside those of the left heart; and the tricuspid
-// valve where streaks hide the blood's shape, from that and the groove between atrium and ventricle.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: where the right heart's valves usually lie beside those of the left heart; and the tricuspid
+/// valve where streaks hide the blood's shape, from that and the groove between atrium and ventricle.
 #pragma once
 #include "generator/landmarks/long_axis.hpp"
 #include "generator/landmarks/valve_patch.hpp"

@@ -1,4 +1,6 @@
-// Private to this folder: the disc in which two pools of blood touch.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the disc in which two pools of blood touch.
 #pragma once
 #include <optional>
 

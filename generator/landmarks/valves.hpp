@@ -1,4 +1,6 @@
-// Private to this folder: the planes of the four valves.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the planes of the four valves.
 #pragma once
 #include <map>
 #include <string>

@@ -1,4 +1,6 @@
-// Private to this folder: the image all steps work on, and small helpers for grids whose axes are the patient's.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the image all steps work on, and small helpers for grids whose axes are the patient's.
 #pragma once
 #include <cmath>
 #include <vector>

@@ -1,7 +1,9 @@
-// The faces of the image: where the field of view cuts the body flat.
-//
-// The label map is continued beyond its border by a layer with labels of its own (region + beyond_border), which is
-// meshed and then dropped: the border becomes an interface like any other.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The faces of the image: where the field of view cuts the body flat.
+///
+/// The label map is continued beyond its border by a layer with labels of its own (region + beyond_border), which is
+/// meshed and then dropped: the border becomes an interface like any other.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,6 @@
-// Private to this folder: cells and the cells of their nodes, for work on labels.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: cells and the cells of their nodes, for work on labels.
 #pragma once
 #include <array>
 #include <cmath>

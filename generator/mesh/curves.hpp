@@ -1,4 +1,6 @@
-// Curves that a mesh must follow, as chains of overlapping balls for the mesher.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Curves that a mesh must follow, as chains of overlapping balls for the mesher.
 #pragma once
 #include <vector>
 

@@ -1,5 +1,7 @@
-// The DistMesh back end for label maps: nodes of the stuffed lattice, relaxed as a truss that is triangulated anew as
-// it moves, settled and repaired.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The DistMesh back end for label maps: nodes of the stuffed lattice, relaxed as a truss that is triangulated anew as
+/// it moves, settled and repaired.
 #pragma once
 #include "generator/mesh/lattice_cells.hpp"
 

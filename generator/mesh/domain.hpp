@@ -1,12 +1,14 @@
-// What to mesh: an implicit domain of several materials made from a label map. Mesher back ends ask only for the
-// region at a point and the wanted edge length there.
-//
-// Each label's indicator is smoothed, which turns voxel stairs into smooth level sets of "shares" that add up to 1, and
-// what smoothing takes from thin and round parts is given back. Surfaces are taken in an order that keeps thin walls:
-// first blood (share of the left or of the right side of the heart above a half), then the heart as a whole, and the
-// wall is what lies between. Both faces of a thin wall are level sets of thick bodies, so that smoothing does not thin
-// it. All other regions, and the outside, compete by the largest share. Details that the torso's coarse edges cannot
-// follow are smoothed away: what is neither heart nor vessel may be smoothed more.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What to mesh: an implicit domain of several materials made from a label map. Mesher back ends ask only for the
+/// region at a point and the wanted edge length there.
+///
+/// Each label's indicator is smoothed, which turns voxel stairs into smooth level sets of "shares" that add up to 1,
+/// and what smoothing takes from thin and round parts is given back. Surfaces are taken in an order that keeps thin
+/// walls: first blood (share of the left or of the right side of the heart above a half), then the heart as a whole,
+/// and the wall is what lies between. Both faces of a thin wall are level sets of thick bodies, so that smoothing does
+/// not thin it. All other regions, and the outside, compete by the largest share. Details that the torso's coarse edges
+/// cannot follow are smoothed away: what is neither heart nor vessel may be smoothed more.
 #pragma once
 #include <array>
 #include <cstdint>

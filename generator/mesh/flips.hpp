@@ -1,6 +1,8 @@
-// Raises the worst angles of a tetrahedral mesh by exchanging cells: bad cells lose an edge (the cells around it are
-// replaced by the best others that fill the same space) or a face (two cells become three). Freitag and
-// Ollivier-Gooch 1997; Shewchuk 2002. Interfaces between labels stay as they are.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Raises the worst angles of a tetrahedral mesh by exchanging cells: bad cells lose an edge (the cells around it are
+/// replaced by the best others that fill the same space) or a face (two cells become three). Freitag and
+/// Ollivier-Gooch 1997; Shewchuk 2002. Interfaces between labels stay as they are.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,6 @@
-// Walls in one piece: what floats beside the heart has no support in mechanics, and no excitation ever reaches it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Walls in one piece: what floats beside the heart has no support in mechanics, and no excitation ever reaches it.
 #pragma once
 #include <cstdint>
 #include <vector>

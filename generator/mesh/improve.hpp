@@ -1,4 +1,6 @@
-// Raises the worst angles of a labelled tetrahedral mesh by flips and by moving vertices, with its surfaces in place.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Raises the worst angles of a labelled tetrahedral mesh by flips and by moving vertices, with its surfaces in place.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,7 @@
-// Clean topology for the labels of a tetrahedral mesh: a few cells change their label so that no region is left in
-// crumbs, and chosen sets of regions have manifold boundaries (no edge or vertex where a surface touches itself).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Clean topology for the labels of a tetrahedral mesh: a few cells change their label so that no region is left in
+/// crumbs, and chosen sets of regions have manifold boundaries (no edge or vertex where a surface touches itself).
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// The lattice back end for label maps: the domain of a label map as materials, stuffed, settled and repaired.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The lattice back end for label maps: the domain of a label map as materials, stuffed, settled and repaired.
 #pragma once
 #include <chrono>
 #include <functional>

@@ -1,4 +1,6 @@
-// Values between the voxels of a level set.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Values between the voxels of a level set.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The making of a domain: smooth shares first, then what smoothing took is given back.
 #include <fmt/format.h>
 

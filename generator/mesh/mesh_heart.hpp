@@ -1,5 +1,8 @@
-// One conforming tetrahedral mesh of a label map, and the meshes of the bundle cut out of it: the heart inside the
-// torso has the same nodes and cells as the heart alone. Thesis 8.3. Nodes in LPS mm. Not collective: call on one rank.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// One conforming tetrahedral mesh of a label map, and the meshes of the bundle cut out of it: the heart inside the
+/// torso has the same nodes and cells as the heart alone. Thesis 8.3. Nodes in LPS mm. Not collective: call on one
+/// rank.
 #pragma once
 #include <map>
 #include <span>

@@ -1,5 +1,7 @@
-// Meshes of the trachea and of a carotid: the smooth level set of the lumen's mask, its open ends cut by planes
-// perpendicular to the local axis of the vessel. Thesis 8.3.3. Not collective: call on one rank.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Meshes of the trachea and of a carotid: the smooth level set of the lumen's mask, its open ends cut by planes
+/// perpendicular to the local axis of the vessel. Thesis 8.3.3. Not collective: call on one rank.
 #pragma once
 #include <vector>
 

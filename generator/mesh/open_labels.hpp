@@ -1,4 +1,6 @@
-// Labels without wedges and slivers.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Labels without wedges and slivers.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,4 +1,6 @@
-// Edge lengths that the user wants, as an image.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Edge lengths that the user wants, as an image.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,6 @@
-// The quality that mesh improvement maximises.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The quality that mesh improvement maximises.
 #pragma once
 #include <algorithm>
 #include <array>

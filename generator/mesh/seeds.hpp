@@ -1,4 +1,6 @@
-// Points on every surface of a domain, for mesh generators that grow surfaces from first points.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Points on every surface of a domain, for mesh generators that grow surfaces from first points.
 #pragma once
 #include <functional>
 #include <vector>

@@ -1,4 +1,6 @@
-// Smooth shares of labels: a label's indicator under a smoothing that has no bias for what is round.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Smooth shares of labels: a label's indicator under a smoothing that has no bias for what is round.
 #pragma once
 #include <array>
 #include <cstdint>

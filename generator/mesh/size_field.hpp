@@ -1,4 +1,6 @@
-// The wanted edge length everywhere: fine in the walls of the heart, growing with the distance from them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The wanted edge length everywhere: fine in the walls of the heart, growing with the distance from them.
 #pragma once
 #include <span>
 

@@ -1,5 +1,7 @@
-// The mesh of a transverse slice of the thorax with four subdomains: myocardium, heart cavities, lungs, and the
-// remaining torso. Thesis 8.3.1. Nodes in LPS mm. Not collective: call on one rank.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The mesh of a transverse slice of the thorax with four subdomains: myocardium, heart cavities, lungs, and the
+/// remaining torso. Thesis 8.3.1. Nodes in LPS mm. Not collective: call on one rank.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -1,4 +1,6 @@
-// The walls of the heart as one solid.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The walls of the heart as one solid.
 #pragma once
 #include "generator/mesh/domain.hpp"
 

@@ -1,5 +1,7 @@
-// Faces of a tetrahedral mesh: found from its cells, labelled by the two materials that meet there, and the rims where
-// labelled surfaces end.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Faces of a tetrahedral mesh: found from its cells, labelled by the two materials that meet there, and the rims where
+/// labelled surfaces end.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,4 +1,6 @@
-// The TetGen back end: the surfaces of the lattice mesher's mesh, filled anew by constrained Delaunay refinement.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The TetGen back end: the surfaces of the lattice mesher's mesh, filled anew by constrained Delaunay refinement.
 #pragma once
 #include "generator/adapters/tetgen_mesher.hpp"
 #include "generator/mesh/lattice_cells.hpp"

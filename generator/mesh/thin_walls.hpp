@@ -1,4 +1,6 @@
-// Where the walls of the heart are thin.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Where the walls of the heart are thin.
 #pragma once
 #include "generator/mesh/domain.hpp"
 

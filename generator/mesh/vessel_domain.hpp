@@ -1,5 +1,7 @@
-// What to mesh of a vessel: its lumen, and beyond each open end a short straight stub of the same section, which is
-// meshed and then dropped: the cut is an interface, whatever the shape of the tip behind it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What to mesh of a vessel: its lumen, and beyond each open end a short straight stub of the same section, which is
+/// meshed and then dropped: the cut is an interface, whatever the shape of the tip behind it.
 #pragma once
 #include <span>
 #include <vector>

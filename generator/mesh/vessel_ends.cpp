@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Tips of a tubular mask: leaves of the tree of geodesic shells (the connected pieces of equal distance from a far
 // point inside the lumen), short leaves pruned as bumps.
 #include <algorithm>

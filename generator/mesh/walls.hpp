@@ -1,5 +1,7 @@
-// The walls of the heart alone, their five regions as parts of one solid: for those who need no blood. The solid's
-// surface is smoothed as a distance is (solid.hpp), and its regions meet where both are as near.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The walls of the heart alone, their five regions as parts of one solid: for those who need no blood. The solid's
+/// surface is smoothed as a distance is (solid.hpp), and its regions meet where both are as near.
 #pragma once
 #include <cstdint>
 #include <vector>

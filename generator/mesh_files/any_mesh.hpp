@@ -1,4 +1,6 @@
-// One door for the meshes of others, whatever program wrote them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// One door for the meshes of others, whatever program wrote them.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/mesh_files/carp_file.hpp"
 
 #include "generator/mesh_files/value_stream.hpp"

@@ -1,4 +1,6 @@
-// Tetrahedral meshes of openCARP: NAME.pts, NAME.elem and NAME.lon, or binary NAME.bpts, NAME.belem and NAME.blon.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Tetrahedral meshes of openCARP: NAME.pts, NAME.elem and NAME.lon, or binary NAME.bpts, NAME.belem and NAME.blon.
 #pragma once
 #include <filesystem>
 

@@ -1,4 +1,6 @@
-// Tetrahedral meshes in INRIA's Medit files, as FreeFEM, mmg and TetGen have them: .mesh (text) and .meshb (binary).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Tetrahedral meshes in INRIA's Medit files, as FreeFEM, mmg and TetGen have them: .mesh (text) and .meshb (binary).
 #pragma once
 #include <filesystem>
 

@@ -1,4 +1,6 @@
-// What a .msh file says, in its own numbers: between its text and the mesh.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What a .msh file says, in its own numbers: between its text and the mesh.
 #pragma once
 #include <array>
 #include <cstdint>

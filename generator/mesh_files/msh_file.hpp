@@ -1,4 +1,6 @@
-// Tetrahedral meshes in gmsh's .msh files: versions 2.2 and 4.1, text or binary, whole or in partitions.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Tetrahedral meshes in gmsh's .msh files: versions 2.2 and 4.1, text or binary, whole or in partitions.
 #pragma once
 #include <filesystem>
 #include <string>

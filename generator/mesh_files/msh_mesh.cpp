@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // From what a .msh file says to a mesh: nodes by place, one label per tetrahedron and triangle, views as arrays.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The sections of a .msh file, one after the other. Text and binary files of both versions have the same ones.
 #include <iterator>
 #include <set>

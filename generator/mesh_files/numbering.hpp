@@ -1,4 +1,6 @@
-// Nodes and elements that a file numbers as it likes: from any number on, with gaps, in any order.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Nodes and elements that a file numbers as it likes: from any number on, with gaps, in any order.
 #pragma once
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// The faces that bound a mesh and its regions, found from the cells.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The faces that bound a mesh and its regions, found from the cells.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/mesh_files/tetgen_file.hpp"
 
 #include "generator/mesh_files/numbering.hpp"

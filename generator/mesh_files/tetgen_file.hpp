@@ -1,4 +1,6 @@
-// Tetrahedral meshes of TetGen and Chaste: NAME.node, NAME.ele and NAME.face, text; Chaste's NAME.axi and NAME.ortho.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Tetrahedral meshes of TetGen and Chaste: NAME.node, NAME.ele and NAME.face, text; Chaste's NAME.axi and NAME.ortho.
 #pragma once
 #include <filesystem>
 

@@ -1,5 +1,7 @@
-// Values one after another in a file: numbers as text, separated by blanks and line ends of any kind, or as they lie in
-// memory. What a file claims to hold is checked against what is left of it before memory is asked for.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Values one after another in a file: numbers as text, separated by blanks and line ends of any kind, or as they lie
+/// in memory. What a file claims to hold is checked against what is left of it before memory is asked for.
 #pragma once
 #include <fmt/format.h>
 

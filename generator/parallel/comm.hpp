@@ -1,8 +1,10 @@
-// Processes that work on one image together. MPI stays behind this header: a Comm of size 1 never calls MPI, so that
-// serial programs and tests need no launcher and no initialisation.
-//
-// Every function that takes a Comm is @collective: all ranks call it, in the same order. Sums are exact (integers) or
-// added in a fixed order (slices), so results do not depend on the number of ranks.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Processes that work on one image together. MPI stays behind this header: a Comm of size 1 never calls MPI, so that
+/// serial programs and tests need no launcher and no initialisation.
+///
+/// Every function that takes a Comm is @collective: all ranks call it, in the same order. Sums are exact (integers) or
+/// added in a fixed order (slices), so results do not depend on the number of ranks.
 #pragma once
 #include <cstddef>
 #include <cstdint>

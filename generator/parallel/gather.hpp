@@ -1,4 +1,6 @@
-// What threads find in pieces of a range, joined so that nobody can tell where the pieces began.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What threads find in pieces of a range, joined so that nobody can tell where the pieces began.
 #pragma once
 #include <algorithm>
 #include <cstdint>

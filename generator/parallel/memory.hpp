@@ -1,6 +1,8 @@
-// Memory of large arrays: on huge pages where the system has them, and from a multiple of a cache line on. Neighbouring
-// slices then share few entries of the processor's page tables, and vectors of a row do not straddle two lines; a
-// sweep over an image is a third faster for it. What is computed does not depend on it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Memory of large arrays: on huge pages where the system has them, and from a multiple of a cache line on.
+/// Neighbouring slices then share few entries of the processor's page tables, and vectors of a row do not straddle two
+/// lines; a sweep over an image is a third faster for it. What is computed does not depend on it.
 #pragma once
 #include <cstddef>
 #include <vector>

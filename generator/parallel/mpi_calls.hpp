@@ -1,4 +1,6 @@
-// Private to this folder: MPI calls for messages of any length.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: MPI calls for messages of any length.
 #pragma once
 #define OMPI_SKIP_MPICXX 1  // the deprecated C++ bindings, which need a library of their own
 #define MPICH_SKIP_MPICXX 1

@@ -1,9 +1,11 @@
-// How inner loops are compiled: written once, as plain C++, and compiled for several vector lengths; the widest one
-// that the machine has is chosen at run time.
-//
-// Every version does the same IEEE operations in the same order for each element (no fused multiply-add, no
-// reassociation, no approximate instructions), so all give the same bits. Files with such loops are listed in
-// cmake/rooms.cmake for the flags that let the vectoriser use square roots and selections.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How inner loops are compiled: written once, as plain C++, and compiled for several vector lengths; the widest one
+/// that the machine has is chosen at run time.
+///
+/// Every version does the same IEEE operations in the same order for each element (no fused multiply-add, no
+/// reassociation, no approximate instructions), so all give the same bits. Files with such loops are listed in
+/// cmake/rooms.cmake for the flags that let the vectoriser use square roots and selections.
 #pragma once
 #include <cstdint>
 

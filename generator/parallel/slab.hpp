@@ -1,6 +1,8 @@
-// A z-slab of an image: the contiguous slices that one rank owns, with ghost slices on both sides.
-// i runs fastest, so slices are contiguous and a halo exchange copies whole slices. A 2D image is one slice. Ranks may
-// own no slice at all (more ranks than slices): then `count` is 0 and there are no values.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A z-slab of an image: the contiguous slices that one rank owns, with ghost slices on both sides.
+/// i runs fastest, so slices are contiguous and a halo exchange copies whole slices. A 2D image is one slice. Ranks may
+/// own no slice at all (more ranks than slices): then `count` is 0 and there are no values.
 #pragma once
 #include <cstdint>
 #include <functional>

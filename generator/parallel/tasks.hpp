@@ -1,4 +1,6 @@
-// Independent pieces of work of uneven length, done by whichever thread is free.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Independent pieces of work of uneven length, done by whichever thread is free.
 #pragma once
 #include <functional>
 #include <span>

@@ -1,6 +1,8 @@
-// Threads inside one process: a persistent pool and loops cut into contiguous pieces and parts of these.
-// What is computed must not depend on where they begin and end; then results have the same bits for any
-// number of threads. For sums use `sum_rows` (slab.hpp) or one number per index added afterwards in index order.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Threads inside one process: a persistent pool and loops cut into contiguous pieces and parts of these.
+/// What is computed must not depend on where they begin and end; then results have the same bits for any
+/// number of threads. For sums use `sum_rows` (slab.hpp) or one number per index added afterwards in index order.
 #pragma once
 #include <cstdint>
 #include <type_traits>

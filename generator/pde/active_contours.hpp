@@ -1,13 +1,15 @@
-// Active contours as level sets (thesis 4.2, 4.3), 2D (one slice) and 3D, any spacing; φ is negative inside, in mm.
-// - Geometric (4.3.2; Caselles et al. 1993, Malladi et al. 1995), not variational:
-//     φ_t = h |∇φ| (curvature κ - balloon):
-//   grows (or shrinks) where there is no edge. It passes no gap narrower than twice the curvature's weight: a front
-//   that bulges through a gap of width w in the plane has a curvature of 2 / w. Thesis 4.8 does not multiply the
-//   curvature by h; then edges do not hold against it, and a closed contour rests only where ∮ h = 2 pi curvature.
-// - Geodesic (4.3.3; Caselles et al. 1997, Kichenassamy et al. 1996), the descent of the length in the metric h:
-//     φ_t = |∇φ| div(h ∇φ / |∇φ|) - balloon h |∇φ|:
-//   edges attract, gaps are closed by the shortest bridge.
-// φ is made a distance again at regular intervals. Results have the same bits for any number of ranks and threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Active contours as level sets (thesis 4.2, 4.3), 2D (one slice) and 3D, any spacing; φ is negative inside, in mm.
+/// - Geometric (4.3.2; Caselles et al. 1993, Malladi et al. 1995), not variational:
+///     φ_t = h |∇φ| (curvature κ - balloon):
+///   grows (or shrinks) where there is no edge. It passes no gap narrower than twice the curvature's weight: a front
+///   that bulges through a gap of width w in the plane has a curvature of 2 / w. Thesis 4.8 does not multiply the
+///   curvature by h; then edges do not hold against it, and a closed contour rests only where ∮ h = 2 pi curvature.
+/// - Geodesic (4.3.3; Caselles et al. 1997, Kichenassamy et al. 1996), the descent of the length in the metric h:
+///     φ_t = |∇φ| div(h ∇φ / |∇φ|) - balloon h |∇φ|:
+///   edges attract, gaps are closed by the shortest bridge.
+/// φ is made a distance again at regular intervals. Results have the same bits for any number of ranks and threads.
 #pragma once
 #include <span>
 

@@ -1,25 +1,27 @@
-// Two-phase Chan-Vese segmentation of a masked domain (thesis 4.4, 5.2, 5.4), L1 (medians) or L2 (means), in its
-// convex form (Chan, Esedoglu and Nikolova 2006): for fixed grey values c the contour is the 1/2 level of
-//   min over 0 <= u <= 1 of  mu TV(u) + lambda ∫ (|g - c_above|^p - |g - c_below|^p) / |c_above - c_below|^p u,
-// solved by the primal-dual method of Chambolle and Pock (2011) on the domain's voxels, with homogeneous Neumann
-// conditions at its border; c is taken anew from the two sides after every few sweeps.
-//
-// The fidelity is divided by the contrast |c_above - c_below|^p: it lies in [-1, 1] (L1) whatever the grey scale, so
-// the same lambda and mu work at any contrast. mu is a length in mm when lambda is 1: balls with radii below
-// 3 mu / lambda vanish (discs of a single slice below 2 mu / lambda). For fixed c the relaxed problem is solved to its
-// global minimum; over c the result is a fixed point, reached from the best two classes of the histogram. mu = 0 is
-// thresholding at those, done without iterations.
-//
-// Most voxels are decided before the first sweep, by their grey value and their neighbours' (safe_screening.hpp,
-// exact); the sweeps visit the others only. At the end single voxels change sides where that lowers the energy
-// (coordinate_descent.hpp).
-//
-// What mu weighs: TV by isotropic forward differences, which measures too much where edges are sharp. Where the relaxed
-// field goes from 0 to 1 over two to four voxels: 3 to 5 % for a ball, -1 to 11 % for planes of any direction. On a
-// division into voxels (chan_vese_energy): 27 % for a ball, 16 % for a disc in 2D, 3 to 46 % for planes. So the
-// effective mu is larger by that much, and such energies can be compared with each other only.
-//
-// The image must be finite. float32, any spacing, the same bits for any number of ranks and threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Two-phase Chan-Vese segmentation of a masked domain (thesis 4.4, 5.2, 5.4), L1 (medians) or L2 (means), in its
+/// convex form (Chan, Esedoglu and Nikolova 2006): for fixed grey values c the contour is the 1/2 level of
+///   min over 0 <= u <= 1 of  mu TV(u) + lambda ∫ (|g - c_above|^p - |g - c_below|^p) / |c_above - c_below|^p u,
+/// solved by the primal-dual method of Chambolle and Pock (2011) on the domain's voxels, with homogeneous Neumann
+/// conditions at its border; c is taken anew from the two sides after every few sweeps.
+///
+/// The fidelity is divided by the contrast |c_above - c_below|^p: it lies in [-1, 1] (L1) whatever the grey scale, so
+/// the same lambda and mu work at any contrast. mu is a length in mm when lambda is 1: balls with radii below
+/// 3 mu / lambda vanish (discs of a single slice below 2 mu / lambda). For fixed c the relaxed problem is solved to its
+/// global minimum; over c the result is a fixed point, reached from the best two classes of the histogram. mu = 0 is
+/// thresholding at those, done without iterations.
+///
+/// Most voxels are decided before the first sweep, by their grey value and their neighbours' (safe_screening.hpp,
+/// exact); the sweeps visit the others only. At the end single voxels change sides where that lowers the energy
+/// (coordinate_descent.hpp).
+///
+/// What mu weighs: TV by isotropic forward differences, which measures too much where edges are sharp. Where the
+/// relaxed field goes from 0 to 1 over two to four voxels: 3 to 5 % for a ball, -1 to 11 % for planes of any direction.
+/// On a division into voxels (chan_vese_energy): 27 % for a ball, 16 % for a disc in 2D, 3 to 46 % for planes. So the
+/// effective mu is larger by that much, and such energies can be compared with each other only.
+///
+/// The image must be finite. float32, any spacing, the same bits for any number of ranks and threads.
 #pragma once
 #include <cstdint>
 

@@ -1,13 +1,15 @@
-// The thesis's own way to a Chan-Vese contour: a level set function φ flows by
-//   φ_t = |∇φ| (mu div(∇φ / |∇φ|) + lambda (|g - c_below|^p - |g - c_above|^p) / |c_above - c_below|^p)
-// (thesis 4.38, p = 2, and 4.47, p = 1, with |∇φ| for the delta function), discretised by the semi-explicit scheme of
-// thesis (3.11) and (3.14), method 3 of 5.1.2, in 2D and 3D: a voxel's new value takes its neighbours' old ones and is
-// divided by 1 + time_step |∇φ| Σ c. c is taken anew from the two sides as the contour moves (6.1: exact medians).
-//
-// It stops in local minima, and needs many more sweeps than the convex form (chan_vese.hpp), which segments for
-// production; this is the reference to compare with, and the measure of what a sweep costs. Units, norms and the
-// division by the contrast are those of chan_vese.hpp; homogeneous Neumann conditions at the border of the domain, any
-// spacing, float32, the same bits for any number of ranks and threads and any vector length.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The thesis's own way to a Chan-Vese contour: a level set function φ flows by
+///   φ_t = |∇φ| (mu div(∇φ / |∇φ|) + lambda (|g - c_below|^p - |g - c_above|^p) / |c_above - c_below|^p)
+/// (thesis 4.38, p = 2, and 4.47, p = 1, with |∇φ| for the delta function), discretised by the semi-explicit scheme of
+/// thesis (3.11) and (3.14), method 3 of 5.1.2, in 2D and 3D: a voxel's new value takes its neighbours' old ones and is
+/// divided by 1 + time_step |∇φ| Σ c. c is taken anew from the two sides as the contour moves (6.1: exact medians).
+///
+/// It stops in local minima, and needs many more sweeps than the convex form (chan_vese.hpp), which segments for
+/// production; this is the reference to compare with, and the measure of what a sweep costs. Units, norms and the
+/// division by the contrast are those of chan_vese.hpp; homogeneous Neumann conditions at the border of the domain, any
+/// spacing, float32, the same bits for any number of ranks and threads and any vector length.
 #pragma once
 #include <cstdint>
 

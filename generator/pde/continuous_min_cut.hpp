@@ -1,9 +1,11 @@
-// The continuous minimal cut between two sets: the steady state of the band problem (thesis 7.4) is the minimiser of
-//   ∫ h |∇u|,  u = 1 on the inner set, u = 0 on the outer set, 0 <= u <= 1 on the free voxels between them,
-// a convex problem (Strang 1983; Appleton and Talbot 2006), solved by the preconditioned primal-dual method of Pock
-// and Chambolle (2011). The relative duality gap (primal - dual) / primal certifies how far from the optimum the
-// result can be. The cut is the 1/2 level of u. Any spacing, homogeneous Neumann at the border of the image, float32,
-// the same bits for any number of ranks and threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The continuous minimal cut between two sets: the steady state of the band problem (thesis 7.4) is the minimiser of
+///   ∫ h |∇u|,  u = 1 on the inner set, u = 0 on the outer set, 0 <= u <= 1 on the free voxels between them,
+/// a convex problem (Strang 1983; Appleton and Talbot 2006), solved by the preconditioned primal-dual method of Pock
+/// and Chambolle (2011). The relative duality gap (primal - dual) / primal certifies how far from the optimum the
+/// result can be. The cut is the 1/2 level of u. Any spacing, homogeneous Neumann at the border of the image, float32,
+/// the same bits for any number of ranks and threads.
 #pragma once
 #include <cstdint>
 

@@ -1,4 +1,6 @@
-// Private to this folder: the last step of a two-phase segmentation, voxel by voxel.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the last step of a two-phase segmentation, voxel by voxel.
 #pragma once
 #include <cstdint>
 

@@ -1,9 +1,11 @@
-// Motion by mean curvature of all level sets of an image: u_t = |∇u| div(∇u / |∇u|), with the curvature in flux form on
-// the faces of the voxels (thesis 3.12). The explicit step of a voxel is cut back where it would leave the range of its
-// neighbours; Smereka's semi-explicit form (thesis 3.14) is as stable, but moves contours at half their speed at usual
-// time steps. |∇u| is the root of the mean square of the slopes on both sides of a voxel: with central slopes, zero
-// there, a peak one voxel wide would never sink. A ridge one voxel wide whose top is exactly level stays, as straight
-// level sets do. Homogeneous Neumann conditions, any spacing.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Motion by mean curvature of all level sets of an image: u_t = |∇u| div(∇u / |∇u|), with the curvature in flux form
+/// on the faces of the voxels (thesis 3.12). The explicit step of a voxel is cut back where it would leave the range of
+/// its neighbours; Smereka's semi-explicit form (thesis 3.14) is as stable, but moves contours at half their speed at
+/// usual time steps. |∇u| is the root of the mean square of the slopes on both sides of a voxel: with central slopes,
+/// zero there, a peak one voxel wide would never sink. A ridge one voxel wide whose top is exactly level stays, as
+/// straight level sets do. Homogeneous Neumann conditions, any spacing.
 #pragma once
 #include "generator/parallel/slab.hpp"
 

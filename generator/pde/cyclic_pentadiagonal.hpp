@@ -1,4 +1,6 @@
-// Linear systems of closed curves: a symmetric positive definite circulant matrix with five diagonals.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Linear systems of closed curves: a symmetric positive definite circulant matrix with five diagonals.
 #pragma once
 #include <vector>
 

@@ -1,7 +1,9 @@
-// Denoising by diffusion: the heat equation (thesis 3.1) and Perona-Malik (3.2; Perona and Malik 1990).
-// Explicit steps in flux form on voxel faces, homogeneous Neumann conditions at the border of the image, any spacing.
-// The time step is in units of the smallest squared spacing and stable up to 1/6 (of the heat equation, with
-// conductivity 1); the mean grey value is kept. float32, the same bits for any number of ranks and threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Denoising by diffusion: the heat equation (thesis 3.1) and Perona-Malik (3.2; Perona and Malik 1990).
+/// Explicit steps in flux form on voxel faces, homogeneous Neumann conditions at the border of the image, any spacing.
+/// The time step is in units of the smallest squared spacing and stable up to 1/6 (of the heat equation, with
+/// conductivity 1); the mean grey value is kept. float32, the same bits for any number of ranks and threads.
 #pragma once
 #include "generator/parallel/slab.hpp"
 #include "model/recipe.hpp"

@@ -1,6 +1,8 @@
-// The edge detector of deformable contours (thesis 4.3.2, 4.6): h = 1 / (1 + (|∇(G_sigma * g)| / edge)²), 1 where the
-// image is flat and near 0 on edges. The Gaussian is the heat equation run for the time sigma² / 2, as in the thesis,
-// with homogeneous Neumann conditions. 2D (one slice) and 3D, any spacing, the same bits for any ranks and threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The edge detector of deformable contours (thesis 4.3.2, 4.6): h = 1 / (1 + (|∇(G_sigma * g)| / edge)²), 1 where the
+/// image is flat and near 0 on edges. The Gaussian is the heat equation run for the time sigma² / 2, as in the thesis,
+/// with homogeneous Neumann conditions. 2D (one slice) and 3D, any spacing, the same bits for any ranks and threads.
 #pragma once
 #include "generator/parallel/slab.hpp"
 

@@ -1,4 +1,6 @@
-// The PDE filters by name, for the command line: `heartgen filter NAME IN OUT [--param value]`.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The PDE filters by name, for the command line: `heartgen filter NAME IN OUT [--param value]`.
 #pragma once
 #include <map>
 #include <string>

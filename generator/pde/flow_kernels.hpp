@@ -1,10 +1,12 @@
-// Private to this folder: the inner loops of the semi-explicit level set flow, one image row at a time.
-//
-// The curvature term is a sum over the six faces of a voxel, c (u_neighbour - u), with the face coefficients of
-// thesis (3.11): c = mu / |∇u| on the face, the derivative across it taken over the face and those along it central, at
-// the face's lower voxel. A face's coefficient is kept until the voxel above it needs it: along x in a row buffer,
-// along y in one row, along z in one plane of a tile. Neighbours that do not exist count as equal and their faces as
-// closed.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the inner loops of the semi-explicit level set flow, one image row at a time.
+///
+/// The curvature term is a sum over the six faces of a voxel, c (u_neighbour - u), with the face coefficients of
+/// thesis (3.11): c = mu / |∇u| on the face, the derivative across it taken over the face and those along it central,
+/// at the face's lower voxel. A face's coefficient is kept until the voxel above it needs it: along x in a row buffer,
+/// along y in one row, along z in one plane of a tile. Neighbours that do not exist count as equal and their faces as
+/// closed.
 #pragma once
 #include <cstdint>
 

@@ -1,5 +1,7 @@
-// The hierarchical segmentation (thesis 5.3, 5.4, 6): a tree of two-phase splits. Each step divides one side of an
-// earlier step by a Chan-Vese contour.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The hierarchical segmentation (thesis 5.3, 5.4, 6): a tree of two-phase splits. Each step divides one side of an
+/// earlier step by a Chan-Vese contour.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,8 +1,11 @@
-// Private to this folder: one iteration of the primal-dual method of Chambolle and Pock (2011) on a slab.
-//
-// The dual field of a row needs the primal rows (j, k), (j + 1, k), (j, k + 1); the primal row then needs the dual rows
-// (j, k), (j - 1, k), (j, k - 1). Walking the rows in memory order, both are done in one pass in place. Where a thread
-// (or a rank) begins, the dual rows of the slice below are done beforehand. Several iterations are done in one pass.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: one iteration of the primal-dual method of Chambolle and Pock (2011) on a slab.
+///
+/// The dual field of a row needs the primal rows (j, k), (j + 1, k), (j, k + 1); the primal row then needs the dual
+/// rows (j, k), (j - 1, k), (j, k - 1). Walking the rows in memory order, both are done in one pass in place. Where a
+/// thread (or a rank) begins, the dual rows of the slice below are done beforehand. Several iterations are done in one
+/// pass.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,13 @@
-// Private to this folder: the inner loops of the PDE solvers, one image row at a time, written for the vectoriser.
-//
-// Layout all of them rely on: rows of one slab follow each other in memory, and the dual fields px, py, pz are zero
-// where the neighbour they point to does not exist (last voxel of a row, last row of a slice, last slice). So px[-1],
-// the row below and the slice below need no special case; fields therefore have a ghost slice on both sides.
-//
-// Every function does the same operations in the same order for each voxel, whatever the vector length: no fused
-// multiply-add, no reassociation. Row intervals are [begin, end) in voxels; `nx` is the row's length.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: the inner loops of the PDE solvers, one image row at a time, written for the vectoriser.
+///
+/// Layout all of them rely on: rows of one slab follow each other in memory, and the dual fields px, py, pz are zero
+/// where the neighbour they point to does not exist (last voxel of a row, last row of a slice, last slice). So px[-1],
+/// the row below and the slice below need no special case; fields therefore have a ghost slice on both sides.
+///
+/// Every function does the same operations in the same order for each voxel, whatever the vector length: no fused
+/// multiply-add, no reassociation. Row intervals are [begin, end) in voxels; `nx` is the row's length.
 #pragma once
 #include <cstdint>
 

@@ -1,4 +1,6 @@
-// Private to this folder and generator/contours: loops over the voxels of a row, for generator/parallel/simd.hpp.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder and generator/contours: loops over the voxels of a row, for generator/parallel/simd.hpp.
 #pragma once
 #include <cstdint>
 

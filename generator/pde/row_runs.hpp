@@ -1,5 +1,7 @@
-// Private to this folder: which voxels of each row a solver visits. Rows outside a domain cost nothing, rows partly
-// inside it only their runs.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: which voxels of each row a solver visits. Rows outside a domain cost nothing, rows partly
+/// inside it only their runs.
 #pragma once
 #include <algorithm>
 #include <cstdint>

@@ -1,9 +1,11 @@
-// Parametric snakes (thesis 4.1; Kass, Witkin and Terzopoulos 1988): closed curves v(s) in a 2D image that descend
-//   E(v) = 1/2 ∮ tension |v'|² + rigidity |v''|² ds + ∮ P(v) ds,   P = attraction (h - 1),
-// h the edge function, so that P is low on edges. Semi-implicit: (1 - tension D² + rigidity D⁴) on the left, the
-// image's force -∇P and the balloon (along the outward normal, times h; Cohen 1991) on the right. The curve is
-// resampled to equal arc lengths after every step. A snake keeps its topology: it cannot split, merge or start from
-// within a gap, and is only drawn to edges that its ends of travel meet.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Parametric snakes (thesis 4.1; Kass, Witkin and Terzopoulos 1988): closed curves v(s) in a 2D image that descend
+///   E(v) = 1/2 ∮ tension |v'|² + rigidity |v''|² ds + ∮ P(v) ds,   P = attraction (h - 1),
+/// h the edge function, so that P is low on edges. Semi-implicit: (1 - tension D² + rigidity D⁴) on the left, the
+/// image's force -∇P and the balloon (along the outward normal, times h; Cohen 1991) on the right. The curve is
+/// resampled to equal arc lengths after every step. A snake keeps its topology: it cannot split, merge or start from
+/// within a gap, and is only drawn to edges that its ends of travel meet.
 #pragma once
 #include <vector>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/pde/sobolev.hpp"
 
 #include <fmt/format.h>

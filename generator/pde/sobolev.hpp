@@ -1,6 +1,8 @@
-// Sobolev smoothing (thesis 3.3): the minimiser of ∫ length² |∇u|² + (u - g)², that is (I - length² Δ) u = g with
-// homogeneous Neumann conditions. Solved by Chebyshev's semi-iteration (Golub and Varga 1961), which needs no inner
-// products: the spectrum of the operator is known, [1, 1 + 4 length² Σ 1/h²].
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Sobolev smoothing (thesis 3.3): the minimiser of ∫ length² |∇u|² + (u - g)², that is (I - length² Δ) u = g with
+/// homogeneous Neumann conditions. Solved by Chebyshev's semi-iteration (Golub and Varga 1961), which needs no inner
+/// products: the spectrum of the operator is known, [1, 1 + 4 length² Σ 1/h²].
 #pragma once
 #include "generator/parallel/slab.hpp"
 

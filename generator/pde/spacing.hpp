@@ -1,4 +1,6 @@
-// Lengths of a grid, over the axes that have more than one voxel.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Lengths of a grid, over the axes that have more than one voxel.
 #pragma once
 #include <algorithm>
 

@@ -1,4 +1,6 @@
-// Private to this folder: a row of an image with its neighbours.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: a row of an image with its neighbours.
 #pragma once
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/pde/subjective_surface.hpp"
 
 #include <algorithm>

@@ -1,8 +1,10 @@
-// Classical subjective surfaces (thesis 4.3.4, 7.1; Sarti, Malladi and Sethian 2000): the geodesic flow of all level
-// sets of φ at once,  φ_t = |∇φ| div(h ∇φ / |∇φ|),  φ = 0 on the border of the image, from φ0 = 1 / (1 + D), D the
-// distance (mm) to points inside the object. Edges become cliffs, which bridge the gaps between them; everything
-// else becomes flat. The object is what lies above half the height of the plateau at the points. φ is high inside.
-// 2D (one slice) and 3D, any spacing, the same bits for any number of ranks and threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Classical subjective surfaces (thesis 4.3.4, 7.1; Sarti, Malladi and Sethian 2000): the geodesic flow of all level
+/// sets of φ at once,  φ_t = |∇φ| div(h ∇φ / |∇φ|),  φ = 0 on the border of the image, from φ0 = 1 / (1 + D), D the
+/// distance (mm) to points inside the object. Edges become cliffs, which bridge the gaps between them; everything
+/// else becomes flat. The object is what lies above half the height of the plateau at the points. φ is high inside.
+/// 2D (one slice) and 3D, any spacing, the same bits for any number of ranks and threads.
 #pragma once
 #include <span>
 #include <vector>

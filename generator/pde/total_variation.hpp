@@ -1,8 +1,10 @@
-// Total variation denoising (thesis 3.4): with L2 fidelity (Rudin, Osher and Fatemi 1992), with L1 fidelity (Chan and
-// Esedoglu 2005), and the form of Marquina and Osher (2000).
-// The two convex problems are solved by the primal-dual method of Chambolle and Pock (2011), the third by curvature
-// motion with a pull to the image (curvature.hpp). Homogeneous Neumann conditions, any spacing, float32, the same bits
-// for any number of ranks and threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Total variation denoising (thesis 3.4): with L2 fidelity (Rudin, Osher and Fatemi 1992), with L1 fidelity (Chan and
+/// Esedoglu 2005), and the form of Marquina and Osher (2000).
+/// The two convex problems are solved by the primal-dual method of Chambolle and Pock (2011), the third by curvature
+/// motion with a pull to the image (curvature.hpp). Homogeneous Neumann conditions, any spacing, float32, the same bits
+/// for any number of ranks and threads.
 #pragma once
 #include "generator/parallel/slab.hpp"
 

@@ -1,6 +1,8 @@
-// The best division of grey values into two classes, regardless of where the voxels lie: Chan-Vese with mu = 0 and
-// the initial condition for mu > 0 (thesis 5.2). 2-medians (L1) or 2-means (L2), the global optimum on a histogram,
-// then refined to exact medians or means of the voxels.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The best division of grey values into two classes, regardless of where the voxels lie: Chan-Vese with mu = 0 and
+/// the initial condition for mu > 0 (thesis 5.2). 2-medians (L1) or 2-means (L2), the global optimum on a histogram,
+/// then refined to exact medians or means of the voxels.
 #pragma once
 #include <cstdint>
 

@@ -1,9 +1,11 @@
-// Private to this folder: several iterations of a sweep over a slab while its fields come from memory once.
-//
-// An iteration of a row needs the one before of the rows and slices next to it. Iteration n follows n slices and n rows
-// behind iteration 0 through blocks of rows, so that it finds what it needs in the cache. Where a piece of a slab (a
-// thread's or a rank's) ends inside the image, each iteration gets one slice less far than the one before; what is left
-// there is done afterwards, iteration by iteration, with what the neighbours have done meanwhile.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Private to this folder: several iterations of a sweep over a slab while its fields come from memory once.
+///
+/// An iteration of a row needs the one before of the rows and slices next to it. Iteration n follows n slices and n
+/// rows behind iteration 0 through blocks of rows, so that it finds what it needs in the cache. Where a piece of a slab
+/// (a thread's or a rank's) ends inside the image, each iteration gets one slice less far than the one before; what is
+/// left there is done afterwards, iteration by iteration, with what the neighbours have done meanwhile.
 #pragma once
 #include <algorithm>
 #include <cstdint>

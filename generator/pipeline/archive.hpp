@@ -1,4 +1,6 @@
-// Stage results as bytes, for the cache. A cache never leaves the machine: its key holds the program's own hash.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Stage results as bytes, for the cache. A cache never leaves the machine: its key holds the program's own hash.
 #pragma once
 #include <cstring>
 #include <stdexcept>
@@ -45,10 +47,13 @@ inline auto members(TorsoPose& p) { return std::tie(p.torso_from_heart, p.scale,
 }  // namespace heartgen::labels
 
 namespace heartgen::fibers {
+template <class T>
+auto members(Both<T>& b) {
+  return std::tie(b.lv, b.rv);
+}
 inline auto members(AtlasFigures& f) {
-  return std::tie(f.atlas.lv, f.atlas.rv, f.carried.lv, f.carried.rv, f.there.lv, f.there.rv, f.jump_p99_deg,
-                  f.turn_p99_deg_per_mm, f.edge_p50_mm, f.atlas_turn_p99_deg_per_wall, f.carried_turn_p99_deg_per_wall,
-                  f.atlas_junction_turn_p99_deg_per_mm);
+  return std::tie(f.atlas, f.carried, f.there, f.jump_p99_deg, f.turn_p99_deg_per_mm, f.edge_p50_mm,
+                  f.atlas_turn_p99_deg_per_wall, f.carried_turn_p99_deg_per_wall, f.atlas_junction_turn_p99_deg_per_mm);
 }
 inline auto members(FiberResult& f) {
   return std::tie(f.node, f.cell, f.source, f.atlas_distance_mm, f.wall_depth, f.min_jacobian, f.affine_rms_mm,
@@ -56,6 +61,9 @@ inline auto members(FiberResult& f) {
                   f.warnings);
 }
 }  // namespace heartgen::fibers
+
+template <>
+constexpr std::size_t heartgen::members_left_out<heartgen::fibers::FiberResult> = 1;  // times, for logs only
 
 namespace heartgen::pipeline {
 inline auto members(Resolutions& r) { return std::tie(r.meshes, r.farthest_mm); }

@@ -1,4 +1,6 @@
-// What a build can refuse before its first stage: settings that cannot be, files that cannot be read.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What a build can refuse before its first stage: settings that cannot be, files that cannot be read.
 #pragma once
 #include "generator/anatomy/padding.hpp"
 #include "generator/pipeline/pipeline.hpp"

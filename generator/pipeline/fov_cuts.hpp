@@ -1,4 +1,6 @@
-// Where a mesh ends because the image does: faces of the body's outer surface that are no skin.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Where a mesh ends because the image does: faces of the body's outer surface that are no skin.
 #pragma once
 #include "generator/anatomy/padding.hpp"
 #include "model/grid.hpp"

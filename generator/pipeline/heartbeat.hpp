@@ -1,4 +1,6 @@
-// A sign of life from work that says nothing itself.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A sign of life from work that says nothing itself.
 #pragma once
 #include <chrono>
 #include <condition_variable>

@@ -1,4 +1,6 @@
-// The image stages of a build: landmarks where the recipe gives none, and the label map of a CT.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The image stages of a build: landmarks where the recipe gives none, and the label map of a CT.
 #pragma once
 #include <filesystem>
 #include <string>

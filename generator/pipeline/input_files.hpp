@@ -1,4 +1,6 @@
-// Files that go into a build, as the cache and the manifest know them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Files that go into a build, as the cache and the manifest know them.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,4 +1,6 @@
-// What the search for landmarks found, to be judged at a glance.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the search for landmarks found, to be judged at a glance.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,6 @@
-// The certificate of a bundle's meshes: each by itself, and those that fill the label map against it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The certificate of a bundle's meshes: each by itself, and those that fill the label map against it.
 #pragma once
 #include <functional>
 #include <map>

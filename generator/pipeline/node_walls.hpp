@@ -1,4 +1,6 @@
-// Which ventricle's wall a node of a mesh belongs to, for `heartgen-lab fiber-accuracy`.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Which ventricle's wall a node of a mesh belongs to, for `heartgen-lab fiber-accuracy`.
 #pragma once
 #include <cstdint>
 #include <vector>

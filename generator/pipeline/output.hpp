@@ -1,4 +1,6 @@
-// What the program says: standard output, standard error, and the last line before a signal ends it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the program says: standard output, standard error, and the last line before a signal ends it.
 #pragma once
 #include <string_view>
 

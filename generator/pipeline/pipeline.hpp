@@ -1,4 +1,6 @@
-// From a recipe to a model bundle: all stages as one list.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// From a recipe to a model bundle: all stages as one list.
 #pragma once
 #include <filesystem>
 #include <string>

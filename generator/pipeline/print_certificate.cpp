@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/pipeline/print_certificate.hpp"
 
 #include <fmt/format.h>

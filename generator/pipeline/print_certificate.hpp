@@ -1,4 +1,6 @@
-// A certificate on the terminal.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A certificate on the terminal.
 #pragma once
 #include "model/certificate.hpp"
 

@@ -1,5 +1,7 @@
-// Progress of a build: a bar with the stage, its share and the time left on a terminal, plain lines otherwise: one as a
-// stage ends, and more of stages that take long.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Progress of a build: a bar with the stage, its share and the time left on a terminal, plain lines otherwise: one as
+/// a stage ends, and more of stages that take long.
 #pragma once
 #include <chrono>
 #include <memory>

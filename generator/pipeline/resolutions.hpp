@@ -1,4 +1,6 @@
-// The walls of the heart at further edge lengths (mesh.resolutions_mm), with the fibres of the bundle's main mesh.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The walls of the heart at further edge lengths (mesh.resolutions_mm), with the fibres of the bundle's main mesh.
 #pragma once
 #include <cstdint>
 #include <map>

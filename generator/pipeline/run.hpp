@@ -1,5 +1,7 @@
-// Runs the stages of a build. Run alone knows timing, progress, caching by content, and error context; a stage is a
-// plain function that returns a value.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Runs the stages of a build. Run alone knows timing, progress, caching by content, and error context; a stage is a
+/// plain function that returns a value.
 #pragma once
 #include <chrono>
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/pipeline/stage_files.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,8 @@
-// Results of image stages as files that a person can look at, correct, and give back: images as .nii.gz, landmarks and
-// the tree of splits as .json. Beside them stages.json keeps what each was made from, so that a file that comes back
-// unchanged is known as the stage's own result.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Results of image stages as files that a person can look at, correct, and give back: images as .nii.gz, landmarks and
+/// the tree of splits as .json. Beside them stages.json keeps what each was made from, so that a file that comes back
+/// unchanged is known as the stage's own result.
 #pragma once
 #include <filesystem>
 #include <map>

@@ -1,4 +1,6 @@
-// Another patient's torso around the heart, as a stage of a build ([torso] of the recipe; thesis 8.3.5).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Another patient's torso around the heart, as a stage of a build ([torso] of the recipe; thesis 8.3.5).
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,6 @@
-// Versions of this program and of the libraries that shape its results.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Versions of this program and of the libraries that shape its results.
 #pragma once
 #include <map>
 #include <string>

@@ -1,4 +1,6 @@
-// The part of a lattice that lies near materials: most of a box is often outside, and its cells need not be made.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The part of a lattice that lies near materials: most of a box is often outside, and its cells need not be made.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,4 +1,6 @@
-// A lattice over the box of some materials, before anything is made of it: which leaves, and where their nodes lie.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A lattice over the box of some materials, before anything is made of it: which leaves, and where their nodes lie.
 #pragma once
 #include "generator/stuffing/active_leaves.hpp"
 #include "generator/stuffing/octree.hpp"

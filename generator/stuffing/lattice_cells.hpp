@@ -1,6 +1,8 @@
-// The tetrahedra of a graded body-centred cubic lattice: nodes at the corners and centres of an octree's leaves, cells
-// between the centres of neighbouring leaves and the edges of the face that they share. Labelle and Shewchuk 2007,
-// section 4: all dihedral angles lie between 45 and 120 degrees on cubic cells.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The tetrahedra of a graded body-centred cubic lattice: nodes at the corners and centres of an octree's leaves, cells
+/// between the centres of neighbouring leaves and the edges of the face that they share. Labelle and Shewchuk 2007,
+/// section 4: all dihedral angles lie between 45 and 120 degrees on cubic cells.
 #pragma once
 #include <vector>
 

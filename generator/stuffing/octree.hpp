@@ -1,5 +1,7 @@
-// A graded octree of a box: the size of its leaves follows an edge length, and leaves that share an edge differ by at
-// most a factor of two. Its root cells fill the box exactly, so that the sides of the box are planes of the lattice.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A graded octree of a box: the size of its leaves follows an edge length, and leaves that share an edge differ by at
+/// most a factor of two. Its root cells fill the box exactly, so that the sides of the box are planes of the lattice.
 #pragma once
 #include <array>
 #include <cmath>

@@ -1,4 +1,6 @@
-// Places where the lattice is too coarse for what it is told, and materials that wish shorter edges there.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Places where the lattice is too coarse for what it is told, and materials that wish shorter edges there.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,6 @@
-// The part of a lattice whose nodes may be too far apart for what is there.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The part of a lattice whose nodes may be too far apart for what is there.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,6 @@
-// What lies around a place that is worked on apart from the rest: what is made of it must not pass through that.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What lies around a place that is worked on apart from the rest: what is made of it must not pass through that.
 #pragma once
 #include <algorithm>
 #include <array>

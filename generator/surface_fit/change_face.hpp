@@ -1,4 +1,6 @@
-// What can be tried with a face that does not fit its surface.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What can be tried with a face that does not fit its surface.
 #pragma once
 #include <cstdint>
 

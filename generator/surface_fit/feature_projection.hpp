@@ -1,5 +1,7 @@
-// Nodes where three materials meet, drawn back onto the curve that they stand for: labels that were settled, and edges
-// that were cut very near to a node, leave some of them beside it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Nodes where three materials meet, drawn back onto the curve that they stand for: labels that were settled, and edges
+/// that were cut very near to a node, leave some of them beside it.
 #pragma once
 #include "generator/tetmesh/complex.hpp"
 #include "generator/tetmesh/materials.hpp"

@@ -1,4 +1,6 @@
-// Which parts of space some boxes may lie in.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Which parts of space some boxes may lie in.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,5 +1,7 @@
-// Where the outside is narrow, two sheets of the outer surface can pass through each other: no cell lies between them
-// that would turn over. Every cell is sound then, but the mesh overlaps itself.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Where the outside is narrow, two sheets of the outer surface can pass through each other: no cell lies between them
+/// that would turn over. Every cell is sound then, but the mesh overlaps itself.
 #pragma once
 #include <cstdint>
 #include <utility>

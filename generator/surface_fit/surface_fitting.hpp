@@ -1,7 +1,9 @@
-// Faces that leave their surface: where a surface has a crease or a bend narrower than an edge, all nodes of a face can
-// lie on it while its middle does not; and nodes can be off the curve where their regions meet, or on a tail beyond the
-// end of their region. Such places are divided and repaired apart from the rest, in several ways, and the best outcome
-// is put back.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Faces that leave their surface: where a surface has a crease or a bend narrower than an edge, all nodes of a face
+/// can lie on it while its middle does not; and nodes can be off the curve where their regions meet, or on a tail
+/// beyond the end of their region. Such places are divided and repaired apart from the rest, in several ways, and the
+/// best outcome is put back.
 #pragma once
 #include <cstdint>
 

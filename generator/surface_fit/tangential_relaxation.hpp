@@ -1,5 +1,7 @@
-// Faces that cut across a crease or a narrow bend of their surface: all three nodes lie on it and the middle does not.
-// Where the nodes along it lie decides how much; a better place for them is looked for in the surface.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Faces that cut across a crease or a narrow bend of their surface: all three nodes lie on it and the middle does not.
+/// Where the nodes along it lie decides how much; a better place for them is looked for in the surface.
 #pragma once
 #include "generator/tetmesh/complex.hpp"
 #include "generator/tetmesh/materials.hpp"

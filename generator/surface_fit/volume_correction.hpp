@@ -1,5 +1,7 @@
-// Nodes on a curved surface make flat faces that all lie on its hollow side: volumes shrink, and every face errs to one
-// side. A small shift of the nodes to the other side halves the greatest distance and sets the volume right.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Nodes on a curved surface make flat faces that all lie on its hollow side: volumes shrink, and every face errs to
+/// one side. A small shift of the nodes to the other side halves the greatest distance and sets the volume right.
 #pragma once
 #include "generator/tetmesh/complex.hpp"
 #include "generator/tetmesh/materials.hpp"

@@ -1,4 +1,6 @@
-// Boxes along the axes, around points and faces.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Boxes along the axes, around points and faces.
 #pragma once
 #include <algorithm>
 #include <array>

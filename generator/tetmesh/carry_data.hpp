@@ -1,4 +1,6 @@
-// Values on nodes and cells of a mesh, carried to the mesh that it became.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Values on nodes and cells of a mesh, carried to the mesh that it became.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// Everything a mesh from elsewhere holds, carried to the mesh that it became.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Everything a mesh from elsewhere holds, carried to the mesh that it became.
 #pragma once
 #include <string>
 

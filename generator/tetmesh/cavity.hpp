@@ -1,4 +1,6 @@
-// A few cells cut out of a complex, to be worked on apart from the rest and put back.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A few cells cut out of a complex, to be worked on apart from the rest and put back.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,4 +1,6 @@
-// Fewer and more nodes: edges shrink to a node, or get a node in the middle.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Fewer and more nodes: edges shrink to a node, or get a node in the middle.
 #pragma once
 #include <cstdint>
 

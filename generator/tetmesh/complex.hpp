@@ -1,7 +1,9 @@
-// A tetrahedral mesh that can be changed: cells come and go, and every node knows its cells.
-//
-// The labels of the cells are the truth about where materials are. A node `touches` the labels of its cells, the
-// outside (bit 0) where the mesh ends, and the sides of the box on which it lies; this set decides how it may move.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A tetrahedral mesh that can be changed: cells come and go, and every node knows its cells.
+///
+/// The labels of the cells are the truth about where materials are. A node `touches` the labels of its cells, the
+/// outside (bit 0) where the mesh ends, and the sides of the box on which it lies; this set decides how it may move.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,4 +1,6 @@
-// Surfaces, curves and points where materials meet, as the places where nodes may lie.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Surfaces, curves and points where materials meet, as the places where nodes may lie.
 #pragma once
 #include <array>
 #include <bit>

@@ -1,6 +1,8 @@
-// Exchanges of cells that fill the same space: an edge or a face disappears, others appear. Freitag and
-// Ollivier-Gooch 1997; Shewchuk 2002; edges on interfaces and on the outer surface are exchanged too, where the new
-// faces stay on the surface. An exchange is made only where it raises the worst cell concerned.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Exchanges of cells that fill the same space: an edge or a face disappears, others appear. Freitag and
+/// Ollivier-Gooch 1997; Shewchuk 2002; edges on interfaces and on the outer surface are exchanged too, where the new
+/// faces stay on the surface. An exchange is made only where it raises the worst cell concerned.
 #pragma once
 #include <cstdint>
 

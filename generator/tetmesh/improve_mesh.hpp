@@ -1,5 +1,8 @@
-// Raises the worst angles of anybody's tetrahedral mesh: the lattice mesher's repair, with the mesh's own surfaces in
-// place of level sets. Regions, the outer surface, interfaces, planes and sharp edges stay. Klingner and Shewchuk 2007.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Raises the worst angles of anybody's tetrahedral mesh: the lattice mesher's repair, with the mesh's own surfaces in
+/// place of level sets. Regions, the outer surface, interfaces, planes and sharp edges stay. Klingner and Shewchuk
+/// 2007.
 #pragma once
 #include <cstdint>
 #include <vector>

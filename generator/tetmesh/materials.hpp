@@ -1,4 +1,6 @@
-// What the lattice mesher is told: several materials in a box. All positions are in mm along the axes of the box.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the lattice mesher is told: several materials in a box. All positions are in mm along the axes of the box.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,4 +1,6 @@
-// Numbers that look random and are the same everywhere.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Numbers that look random and are the same everywhere.
 #pragma once
 #include <cstdint>
 

@@ -1,4 +1,6 @@
-// The order of the nodes of cells from elsewhere: a cell may be written the other way round, or lie inverted in space.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The order of the nodes of cells from elsewhere: a cell may be written the other way round, or lie inverted in space.
 #pragma once
 #include <vector>
 

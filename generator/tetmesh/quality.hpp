@@ -1,5 +1,7 @@
-// The quality that repair maximises: the smallest sine of a cell's dihedral angles, where obtuse angles count
-// `obtuse_weight` times. A goal of 0.51 asks for angles in [30.7, 143.1] degrees, 0.43 for [25.5, 149.6].
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The quality that repair maximises: the smallest sine of a cell's dihedral angles, where obtuse angles count
+/// `obtuse_weight` times. A goal of 0.51 asks for angles in [30.7, 143.1] degrees, 0.43 for [25.5, 149.6].
 #pragma once
 #include <algorithm>
 #include <array>

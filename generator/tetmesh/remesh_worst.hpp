@@ -1,5 +1,7 @@
-// A last means for the few cells that repair leaves too bad: the places around them are repaired apart from the rest in
-// several ways, an edge divided or the nodes shaken up before, and the best outcome is put back.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A last means for the few cells that repair leaves too bad: the places around them are repaired apart from the rest
+/// in several ways, an edge divided or the nodes shaken up before, and the best outcome is put back.
 #pragma once
 #include <cstdint>
 

@@ -1,5 +1,7 @@
-// Raises the worst cells of a mesh of several materials: smoothing, exchange of edges and faces, contraction,
-// division, and at last small shakes; sweeps over the bad cells only. Klingner and Shewchuk 2007 (Stellar).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Raises the worst cells of a mesh of several materials: smoothing, exchange of edges and faces, contraction,
+/// division, and at last small shakes; sweeps over the bad cells only. Klingner and Shewchuk 2007 (Stellar).
 #pragma once
 #include <cstdint>
 #include <limits>

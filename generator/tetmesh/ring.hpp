@@ -1,4 +1,6 @@
-// The cells around an edge.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The cells around an edge.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// Marks that several threads set: whoever comes first, what is left is the same.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Marks that several threads set: whoever comes first, what is left is the same.
 #pragma once
 #include <atomic>
 

@@ -1,5 +1,7 @@
-// Work on a mesh by several threads at once: slabs across its longest axis, every other one at the same time. What is
-// done depends on the slabs, which only the mesh decides, and not on the threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Work on a mesh by several threads at once: slabs across its longest axis, every other one at the same time. What is
+/// done depends on the slabs, which only the mesh decides, and not on the threads.
 #pragma once
 #include <cstdint>
 #include <functional>

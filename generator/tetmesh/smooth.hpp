@@ -1,5 +1,7 @@
-// Moves single nodes so that the worst cell around them gets better. Nodes on features stay on them, within a
-// tolerance. Freitag and Ollivier-Gooch 1997.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Moves single nodes so that the worst cell around them gets better. Nodes on features stay on them, within a
+/// tolerance. Freitag and Ollivier-Gooch 1997.
 #pragma once
 #include <cstdint>
 

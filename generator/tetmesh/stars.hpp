@@ -1,4 +1,6 @@
-// The cells around every node, collected by several threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The cells around every node, collected by several threads.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// How far faces are from their surfaces: which are misfits, and how badly a part of a mesh fits.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How far faces are from their surfaces: which are misfits, and how badly a part of a mesh fits.
 #pragma once
 #include <array>
 #include <vector>

@@ -1,4 +1,6 @@
-// The faces on which surfaces end up.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The faces on which surfaces end up.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,4 +1,6 @@
-// How far from its surfaces what changes may end up.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How far from its surfaces what changes may end up.
 #pragma once
 #include <limits>
 

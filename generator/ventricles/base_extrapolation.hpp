@@ -1,6 +1,8 @@
-// What lies above the plane in which a heart's labels or an atlas's mesh end, made up from what lies below it: walls
-// end there at neither of their surfaces, so their coordinates must not see an end. Not collective; the same bits for
-// any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What lies above the plane in which a heart's labels or an atlas's mesh end, made up from what lies below it: walls
+/// end there at neither of their surfaces, so their coordinates must not see an end. Not collective; the same bits for
+/// any number of threads.
 #pragma once
 #include "generator/ventricles/ventricles.hpp"
 

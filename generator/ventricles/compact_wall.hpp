@@ -1,7 +1,9 @@
-// How thick the compact wall is, as a field that changes slowly along the wall. Voxels' steps move a thin wall's
-// endocardium by a tenth of its thickness, and trabeculae hide it; both average out along the wall, where a depth
-// measured at each place from its own piece of endocardium keeps them.
-// Not collective; the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// How thick the compact wall is, as a field that changes slowly along the wall. Voxels' steps move a thin wall's
+/// endocardium by a tenth of its thickness, and trabeculae hide it; both average out along the wall, where a depth
+/// measured at each place from its own piece of endocardium keeps them.
+/// Not collective; the same bits for any number of threads.
 #pragma once
 #include <memory>
 #include <optional>

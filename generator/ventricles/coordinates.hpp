@@ -1,13 +1,15 @@
-// Wall depth and local directions of a ventricle's wall. Depth is L0 / (L0 + L1): L0, L1 the distances to endocardium
-// and epicardium (Potse et al., IEEE TBME 53, 2006), taken from surfaces that are smooth below the voxel and as smooth
-// as uneven labels ask for (regularized_surface.hpp); its gradient is the wall's normal. Laplace's solution, taken as a
-// depth, is biased where walls are thick and curved; lengths of its paths are not, but they follow the voxels' steps.
-// Only one surface is measured at each place, most often the epicardium, which is smooth; the other one lies a
-// thickness of the compact wall off it, and that thickness changes slowly along the wall (compact_wall.hpp). The
-// endocardium is where the wall meets its own cavity; the epicardium is its other surface: for the left ventricle also
-// the septum's right side; for the right ventricle the outside only (nothing flows where it meets the left wall). Near
-// atria and vessels, where valves bend the surfaces, they are continued from below. Not collective; the same bits for
-// any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Wall depth and local directions of a ventricle's wall. Depth is L0 / (L0 + L1): L0, L1 the distances to endocardium
+/// and epicardium (Potse et al., IEEE TBME 53, 2006), taken from surfaces that are smooth below the voxel and as smooth
+/// as uneven labels ask for (regularized_surface.hpp); its gradient is the wall's normal. Laplace's solution, taken as
+/// a depth, is biased where walls are thick and curved; lengths of its paths are not, but they follow the voxels'
+/// steps. Only one surface is measured at each place, most often the epicardium, which is smooth; the other one lies a
+/// thickness of the compact wall off it, and that thickness changes slowly along the wall (compact_wall.hpp). The
+/// endocardium is where the wall meets its own cavity; the epicardium is its other surface: for the left ventricle also
+/// the septum's right side; for the right ventricle the outside only (nothing flows where it meets the left wall). Near
+/// atria and vessels, where valves bend the surfaces, they are continued from below. Not collective; the same bits for
+/// any number of threads.
 #pragma once
 #include <optional>
 

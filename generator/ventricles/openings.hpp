@@ -1,5 +1,7 @@
-// Where the ventricles open: their valves, and what lies beyond them.
-// Not collective; the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Where the ventricles open: their valves, and what lies beyond them.
+/// Not collective; the same bits for any number of threads.
 #pragma once
 #include <map>
 #include <optional>

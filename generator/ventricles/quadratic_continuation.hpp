@@ -1,5 +1,7 @@
-// Continues two functions known at scattered points by local quadratic fits: a surface's distance is quadratic along it
-// (its curvature), which a linear continuation over several mm misses. Not collective; deterministic.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Continues two functions known at scattered points by local quadratic fits: a surface's distance is quadratic along
+/// it (its curvature), which a linear continuation over several mm misses. Not collective; deterministic.
 #pragma once
 #include <array>
 #include <memory>

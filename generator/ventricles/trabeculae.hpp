@@ -1,5 +1,7 @@
-// The compact wall of a ventricle: trabeculae run along the heart and have no helix, and what lies under them would
-// get too large a depth if they counted as wall.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The compact wall of a ventricle: trabeculae run along the heart and have no helix, and what lies under them would
+/// get too large a depth if they counted as wall.
 #pragma once
 #include "generator/ventricles/ventricles.hpp"
 

@@ -1,5 +1,7 @@
-// The two ventricles as a label image with an anatomical frame: the common language of patient and atlas.
-// Not collective; the same bits for any number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The two ventricles as a label image with an anatomical frame: the common language of patient and atlas.
+/// Not collective; the same bits for any number of threads.
 #pragma once
 #include <array>
 #include <functional>

@@ -1,5 +1,7 @@
-// The eight voxels around a position and their weights in trilinear interpolation, for values that are not simply added
-// up (`sample_linear` of volume.hpp does that): labels, axes, voxels of which only some count.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The eight voxels around a position and their weights in trilinear interpolation, for values that are not simply
+/// added up (`sample_linear` of volume.hpp does that): labels, axes, voxels of which only some count.
 #pragma once
 #include <cmath>
 #include <cstdint>

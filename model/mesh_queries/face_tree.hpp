@@ -1,4 +1,6 @@
-// A tree of boxes over triangles: which are near a point or in a box, in logarithmic time. Positions in mm.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A tree of boxes over triangles: which are near a point or in a box, in logarithmic time. Positions in mm.
 #pragma once
 #include <array>
 #include <cstdint>

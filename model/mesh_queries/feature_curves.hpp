@@ -1,5 +1,7 @@
-// The curves that a mesh holds: edges at which labelled faces of two or more surfaces meet. There three regions meet
-// (the rim of a valve's orifice), or two parts of the outside (the rim of a vessel's end, the edge of a cut).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The curves that a mesh holds: edges at which labelled faces of two or more surfaces meet. There three regions meet
+/// (the rim of a valve's orifice), or two parts of the outside (the rim of a vessel's end, the edge of a cut).
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// Edges of tetrahedra.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Edges of tetrahedra.
 #pragma once
 #include <array>
 #include <cstdint>

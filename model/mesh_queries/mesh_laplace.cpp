@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "model/mesh_queries/mesh_laplace.hpp"
 
 #include <algorithm>

@@ -1,4 +1,6 @@
-// Laplace's equation on part of a tetrahedral mesh, with linear finite elements.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Laplace's equation on part of a tetrahedral mesh, with linear finite elements.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// The voxels of a grid whose centres lie in a tetrahedron, with their barycentric weights: meshes onto images.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The voxels of a grid whose centres lie in a tetrahedron, with their barycentric weights: meshes onto images.
 #pragma once
 #include <algorithm>
 #include <array>

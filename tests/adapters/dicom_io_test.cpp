@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // DICOM series written by hand: only what a reader needs, explicit little endian.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

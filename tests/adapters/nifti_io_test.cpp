@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Headers as other programs write them, made by changing bytes of a file of ours.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What lies beyond the lungs: a chest of an elliptic wall around two lungs with a heart between them that bulges into
 // the wall.
 #include "generator/anatomy/chest_wall.hpp"

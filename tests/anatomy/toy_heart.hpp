@@ -1,4 +1,6 @@
-// A heart of spheres and tubes with known labels: two ventricles with walls, two atria, an aorta, all in fat.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A heart of spheres and tubes with known labels: two ventricles with walls, two atria, an aorta, all in fat.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The switch that keeps or closes trabeculae.
 #include <gtest/gtest.h>
 

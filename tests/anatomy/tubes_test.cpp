@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The lumens that are segmented by a step of their own: the carotid (with a fork, a stenosis, a wall and a vein beside
 // it) and the trachea (with a bronchus that opens into the lung).
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Every mistake of a user ends with exit code 2 and one line that says what, where, and what to do.
 #include <gtest/gtest.h>
 

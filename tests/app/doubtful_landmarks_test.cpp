@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Landmarks that can hardly be a heart's: refused with a picture, or accepted and marked.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The whole road on a small phantom: CT to bundle, against the truth; the same bits for any ranks, threads, locale.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

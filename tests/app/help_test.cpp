@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What a user meets first: --help, and a build without a recipe.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // improve, mesh and place as a user runs them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What stands on disk is whole, whatever happens to the program; what it cannot do it says.
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Meshes of the user's own through improve, transfer, export and validate, as a user runs them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Real scans without a landmark: every chamber is found and is as large as hearts have them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The built-in case: the same bits as everywhere, whatever the processor's instructions, threads and processes.
 #include <gtest/gtest.h>
 

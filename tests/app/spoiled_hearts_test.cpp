@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A yes that can be believed: a good heart passes, and hearts that are spoiled on purpose are caught, each by the row,
 // the use or the message that names what is wrong.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The heart of one patient in the torso of another ([torso] of the recipe), as a user builds it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The house as cmake/rooms.cmake declares it against the house as its files are. `make rooms` prints the arrows.
 #include <fmt/format.h>
 #include <fmt/ranges.h>

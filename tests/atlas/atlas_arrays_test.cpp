@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Which array of a file is the atlas's fibres, and where values per cell hold.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Atlases in the exchange format of CMISS and OpenCMISS-Zinc.
 #include "generator/atlas/exnode.hpp"
 

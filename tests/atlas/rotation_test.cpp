@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The rotation within an affine pose: what it does to directions besides stretching.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The frame and the unit of an atlas's file do not reach what is carried from it.
 #include "generator/atlas/standard_pose.hpp"
 

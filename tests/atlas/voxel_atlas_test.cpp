@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Atlases that are images: vectors, tensors, components, masks.
 #include "generator/atlas/voxel_atlas.hpp"
 

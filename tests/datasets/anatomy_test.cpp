@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The phantom's heart is an adult human heart, the right way round, and its pools are tight.
 #include "datasets/phantom/anatomy.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The analytic fibres of the phantom: unit vectors in the wall whose helix angle falls from +60 to -60 degrees.
 #include <gtest/gtest.h>
 

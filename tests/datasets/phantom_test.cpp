@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The images of the phantom: grids, labels, grey values, noise, repeatability.
 #include "datasets/phantom/phantom.hpp"
 

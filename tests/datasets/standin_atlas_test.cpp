@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The stand-in atlas is a valid mesh of two ventricles with the helix angles that it claims.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,6 @@
-// A walk over the heart of a phantom model on a regular grid: what touches what, how large everything is.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A walk over the heart of a phantom model on a regular grid: what touches what, how large everything is.
 #pragma once
 #include <algorithm>
 #include <array>

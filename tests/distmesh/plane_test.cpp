@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // DistMesh and the repair of triangles in the plane, on materials with known areas.
 #include <gtest/gtest.h>
 

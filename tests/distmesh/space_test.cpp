@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // DistMesh in space, with the repair of its slivers.
 #include <gtest/gtest.h>
 

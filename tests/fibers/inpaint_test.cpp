@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Total variation inpainting of axes on a mesh.
 #include "generator/fibers/inpaint.hpp"
 

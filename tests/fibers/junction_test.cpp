@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // An atlas that ends otherwise than the patient where the ventricles' walls meet.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Carrying axes as angles in the wall: what the regression keeps and what it distrusts.
 #include "generator/fibers/local_angles.hpp"
 

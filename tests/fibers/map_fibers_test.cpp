@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The fibre road from end to end on analytic ventricles with a known field.
 #include "generator/fibers/map_fibers.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The pieces of the fibre stages against closed forms.
 #include <gtest/gtest.h>
 

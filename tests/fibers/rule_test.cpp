@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Rule-based fibres against closed forms on shells.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Fibres from one block to another that divides the same cube otherwise, against closed forms.
 #include "generator/fibers/transfer.hpp"
 

@@ -1,4 +1,6 @@
-// Debian's ITK knows GCC alone, by this one header of macros: clang reads it under that name.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Debian's ITK knows GCC alone, by this one header of macros: clang reads it under that name.
 #pragma once
 #pragma push_macro("__clang__")
 #pragma push_macro("__GNUC__")

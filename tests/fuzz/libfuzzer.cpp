@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // For clang's libFuzzer: fuzz_readers --kind=KIND CORPUS.
 #include <unistd.h>
 

@@ -1,4 +1,6 @@
-// Every reader of files from elsewhere, fed with bytes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Every reader of files from elsewhere, fed with bytes.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The corpus, and random changes of it, without libFuzzer: replay CORPUS SECONDS [SEED [FILES [KIND...]]]. The changes
 // are the same in every run of a seed; a slow machine has time for fewer of them. What a reader does not survive stays
 // where the first line says.

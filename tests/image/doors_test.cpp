@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the room refuses from its callers.
 #include <gtest/gtest.h>
 

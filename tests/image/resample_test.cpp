@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Labels on another grid: no beats between the two.
 #include "generator/image/resample.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Surfaces of labels that are finer than the grid, against a sphere and a tilted plane.
 #include "generator/image/subvoxel_distance.hpp"
 

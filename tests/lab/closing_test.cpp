@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What closes gaps and what does not: the broken circle of thesis Fig 4.6, and a sphere with a hole.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The hearts of `heartgen-lab fiber-accuracy`: how uneven labels differ from exact ones.
 #include "benchmarks/lab/fiber_cases.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Islands, crumbs and gaps of label maps, and valves that are closed.
 #include <gtest/gtest.h>
 

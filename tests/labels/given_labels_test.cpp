@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Labels from elsewhere: values, names, folders, other grids, and what they replace.
 #include "generator/labels/given_labels.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Given labels that cannot be a heart.
 #include "generator/labels/judge.hpp"
 

@@ -1,4 +1,6 @@
-// Four balls of blood, the left ventricle's in a wall: touches as in a heart, at 2 mm.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Four balls of blood, the left ventricle's in a wall: touches as in a heart, at 2 mm.
 #pragma once
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The pieces of the search that have a closed form: basins, contacts, sections, statistics.
 #include "generator/landmarks/basins.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The limits of confidence, and what is given by hand beside what was found.
 #include "generator/landmarks/judge.hpp"
 

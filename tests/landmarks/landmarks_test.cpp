@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Landmarks against the exact ones of the phantom and, where present, on real scans.
 #include "generator/landmarks/landmarks.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The left heart among basins and pools written down by hand.
 #include "generator/landmarks/left_heart.hpp"
 

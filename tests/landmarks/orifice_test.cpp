@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The orifice of a valve between pools whose grey value hardly differs from muscle, and where it usually is.
 #include "generator/landmarks/orifice.hpp"
 

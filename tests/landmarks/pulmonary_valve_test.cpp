@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The pulmonary valve of a faint right heart: where the ventricle's muscular wall ends and the artery's thin one
 // begins.
 #include "generator/landmarks/pulmonary_valve.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Pieces of the right heart on label maps of boxes.
 #include "generator/landmarks/right_heart.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The DistMesh back end for label maps, through the same door as the others.
 #include <gtest/gtest.h>
 

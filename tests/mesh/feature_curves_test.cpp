@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The curves that a mesh holds, and how the certificate measures them.
 #include "model/mesh_queries/feature_curves.hpp"
 

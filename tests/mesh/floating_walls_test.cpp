@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Pieces of the walls beside the heart go to what lies around them.
 #include "generator/mesh/floating_walls.hpp"
 

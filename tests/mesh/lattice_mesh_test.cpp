@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Whole meshes of analytic materials: bounds of angles, topology, volumes, surfaces, the same bits.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Signs between voxels against the values there.
 #include "generator/mesh/level_set_at.hpp"
 

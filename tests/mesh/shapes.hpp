@@ -1,4 +1,6 @@
-// Small label maps with known volumes and contacts, and measures of meshes, for the tests of the mesher.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Small label maps with known volumes and contacts, and measures of meshes, for the tests of the mesher.
 #pragma once
 #include <algorithm>
 #include <cmath>

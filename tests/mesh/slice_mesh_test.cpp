@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Slices of the thorax with four tissues: angles, areas, names, and slices that are hard to mesh.
 #include "generator/mesh/slice_mesh.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Groups, partitions, views and the looks of .msh files, as gmsh and others write them.
 #include <gtest/gtest.h>
 

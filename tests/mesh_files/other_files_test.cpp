@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Meshes of openCARP, TetGen, Chaste and Medit.
 #include <gtest/gtest.h>
 

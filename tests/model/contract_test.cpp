@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Contracts that are broken on purpose.
 #include "model/contract.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Run under mpirun with any number of ranks: every distributed result must equal the serial one, bit for bit, and every
 // rank must see the same errors.
 #include <gtest/gtest.h>

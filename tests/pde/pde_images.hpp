@@ -1,4 +1,6 @@
-// Small images with known geometry for the tests of the PDE solvers.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Small images with known geometry for the tests of the PDE solvers.
 #pragma once
 #include <cmath>
 #include <random>

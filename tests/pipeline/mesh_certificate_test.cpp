@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The certificate of a bundle's meshes where no mesh fills the whole label map.
 #include "generator/pipeline/mesh_certificate.hpp"
 

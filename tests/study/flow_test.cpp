@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The Chan-Vese flows and their references (thesis 4.4, 5.1.2, 5.2, 5.3).
 #include <gtest/gtest.h>
 

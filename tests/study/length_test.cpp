@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Length and area estimators (thesis 5.1.1) against closed forms.
 #include "benchmarks/study/length.hpp"
 

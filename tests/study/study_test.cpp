@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the studies find and how it is written down.
 #include "benchmarks/study/study.hpp"
 

@@ -1,4 +1,6 @@
-// Scripts of tests/clients, which read files with other people's programs.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Scripts of tests/clients, which read files with other people's programs.
 #pragma once
 #include <gtest/gtest.h>
 #include <sys/wait.h>

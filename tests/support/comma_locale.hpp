@@ -1,4 +1,6 @@
-// A scope in which numbers are written as in German, whatever locales the machine has.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A scope in which numbers are written as in German, whatever locales the machine has.
 #pragma once
 #include <clocale>
 #include <locale>

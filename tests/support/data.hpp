@@ -1,4 +1,6 @@
-// Real data for tests: present on some machines, never in the repository.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Real data for tests: present on some machines, never in the repository.
 #pragma once
 #include <unistd.h>
 

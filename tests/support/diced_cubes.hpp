@@ -1,5 +1,7 @@
-// Cubes cut into six tetrahedra each along the paths from one corner to the opposite one (Kuhn): conforming, dihedral
-// angles of 45, 60 and 90 degrees.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Cubes cut into six tetrahedra each along the paths from one corner to the opposite one (Kuhn): conforming, dihedral
+/// angles of 45, 60 and 90 degrees.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// The small analytic pair of ventricles as a mesh with everything that decks ask for: named surfaces and fibres.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The small analytic pair of ventricles as a mesh with everything that decks ask for: named surfaces and fibres.
 #pragma once
 #include "support/model_heart.hpp"
 #include "support/two_region_mesh.hpp"

@@ -1,4 +1,6 @@
-// Bytes of files, and the message of what is refused.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Bytes of files, and the message of what is refused.
 #pragma once
 #include <filesystem>
 #include <fstream>

@@ -1,6 +1,8 @@
-// A small analytic pair of ventricles for tests of the fibre stages: truncated ellipsoids with a known axis field.
-// Own frame: apex to -z, cut flat at z = base_mm, right ventricle on the -x side, y free (a mirror image in y is a
-// different heart only through its fibres).
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A small analytic pair of ventricles for tests of the fibre stages: truncated ellipsoids with a known axis field.
+/// Own frame: apex to -z, cut flat at z = base_mm, right ventricle on the -x side, y free (a mirror image in y is a
+/// different heart only through its fibres).
 #pragma once
 #include <algorithm>
 #include <array>

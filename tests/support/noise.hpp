@@ -1,4 +1,6 @@
-// Noise that is the same on every platform, which std::normal_distribution's is not.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Noise that is the same on every platform, which std::normal_distribution's is not.
 #pragma once
 #include <random>
 

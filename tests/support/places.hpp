@@ -1,4 +1,6 @@
-// Places to test at.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Places to test at.
 #pragma once
 #include <cstdint>
 #include <vector>

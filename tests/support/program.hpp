@@ -1,4 +1,6 @@
-// Runs the heartgen program as a user would.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Runs the heartgen program as a user would.
 #pragma once
 #include <sys/wait.h>
 

@@ -1,5 +1,7 @@
-// A small heart for pictures: two ventricles as half ellipsoids cut flat at the base, blood inside, tetrahedra from
-// voxels (six per voxel), and fibres that turn from +60 degrees inside to -60 outside.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A small heart for pictures: two ventricles as half ellipsoids cut flat at the base, blood inside, tetrahedra from
+/// voxels (six per voxel), and fibres that turn from +60 degrees inside to -60 outside.
 #pragma once
 #include <algorithm>
 #include <cmath>

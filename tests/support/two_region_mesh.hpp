@@ -1,5 +1,7 @@
-// A small labelled mesh with everything a bundle can hold: two regions, outer surfaces and their interface, rims,
-// fibres on nodes and cells, parent ids.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A small labelled mesh with everything a bundle can hold: two regions, outer surfaces and their interface, rims,
+/// fibres on nodes and cells, parent ids.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/surface_fit/cavity_boundary.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Nodes on the curves where three materials meet.
 #include "generator/surface_fit/feature_projection.hpp"
 

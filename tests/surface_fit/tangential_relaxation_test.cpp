@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Faces across creases of a surface get nearer to it.
 #include "generator/surface_fit/tangential_relaxation.hpp"
 

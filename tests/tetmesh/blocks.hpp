@@ -1,4 +1,6 @@
-// Meshes to be improved: blocks of cubes of six cells each, with regions, shaken inside.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Meshes to be improved: blocks of cubes of six cells each, with regions, shaken inside.
 #pragma once
 #include <algorithm>
 #include <cmath>

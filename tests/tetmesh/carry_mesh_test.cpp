@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Arrays, triangles and ids of a mesh, carried to the mesh that it became.
 #include "generator/tetmesh/carry_mesh.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Exchanges where many materials meet.
 #include "generator/tetmesh/flips.hpp"
 

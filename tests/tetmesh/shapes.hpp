@@ -1,4 +1,6 @@
-// Materials with known shapes, and measures of complexes, for the tests of the lattice mesher.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Materials with known shapes, and measures of complexes, for the tests of the lattice mesher.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "validation/exact_orientation.hpp"
 
 #include <gtest/gtest.h>

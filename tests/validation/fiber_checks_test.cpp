@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The fibre certificate on a thick cylinder with known depth and known fibres.
 #include "validation/fiber_checks.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Fibres of a mesh against a known field on a coarse grid.
 #include "validation/reference_fibers.hpp"
 

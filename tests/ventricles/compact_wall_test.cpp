@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Thickness of the compact wall and what lies beyond the valves, against closed forms.
 #include "generator/ventricles/compact_wall.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Surfaces of labels as even as these ask for, against spheres and the groove between two half spaces.
 #include "generator/ventricles/regularized_surface.hpp"
 

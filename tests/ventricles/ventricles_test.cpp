@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The ventricles of a label map: which mirror image they are, and how their walls go on where they are cut.
 #include "generator/ventricles/ventricles.hpp"
 

@@ -1,5 +1,7 @@
-// A small RGB picture to draw on: lines, text and PNG output. Integer pixels, origin at the top left; lines and text
-// take continuous coordinates with pixel centres at .5 and are anti-aliased.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A small RGB picture to draw on: lines, text and PNG output. Integer pixels, origin at the top left; lines and text
+/// take continuous coordinates with pixel centres at .5 and are anti-aliased.
 #pragma once
 #include <cstdint>
 #include <string_view>

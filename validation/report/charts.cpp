@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Small charts as inline SVG. Text and axes use the page's colour (currentColor), so they follow light and dark pages.
 #include <fmt/format.h>
 

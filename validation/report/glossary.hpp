@@ -1,4 +1,6 @@
-// What the certificate's words mean, one or two sentences each.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the certificate's words mean, one or two sentences each.
 #pragma once
 #include <string>
 #include <string_view>

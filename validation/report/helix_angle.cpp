@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Helix angles for colouring. The certificate's profile solves for the wall's depth; here the wall's normal is enough:
 // the normals of the endocardium and the epicardium, averaged into the wall.
 #include <algorithm>

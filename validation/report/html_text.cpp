@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "validation/report/html_text.hpp"
 
 namespace heartgen::report {

@@ -1,4 +1,6 @@
-// Arrays inside an HTML page: little-endian bytes, deflated (zlib), as base64.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Arrays inside an HTML page: little-endian bytes, deflated (zlib), as base64.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,6 +1,8 @@
-// Pictures of a model, drawn in software: the same bytes on every machine, without a window system.
-// All pictures are RGB PNG files in memory. Anatomy is shown in the radiological convention: the patient's left is on
-// the right side of axial and coronal pictures.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Pictures of a model, drawn in software: the same bytes on every machine, without a window system.
+/// All pictures are RGB PNG files in memory. Anatomy is shown in the radiological convention: the patient's left is on
+/// the right side of axial and coronal pictures.
 #pragma once
 #include <cstdint>
 #include <optional>

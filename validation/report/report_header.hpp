@@ -1,4 +1,6 @@
-// What the report opens with: the verdict, what it is fit for, what speaks against it, a few figures.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// What the report opens with: the verdict, what it is fit for, what speaks against it, a few figures.
 #pragma once
 #include <string>
 

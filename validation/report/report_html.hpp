@@ -1,5 +1,7 @@
-// The report of a bundle as one HTML file that needs nothing else: pictures, charts, a 3D view to turn and cut, and
-// every row of the certificate. The same input gives the same bytes: no times, no paths, no network.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The report of a bundle as one HTML file that needs nothing else: pictures, charts, a 3D view to turn and cut, and
+/// every row of the certificate. The same input gives the same bytes: no times, no paths, no network.
 #pragma once
 #include <map>
 #include <string>

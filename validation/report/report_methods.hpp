@@ -1,4 +1,6 @@
-// Text for a paper that uses the model: how it was made and measured, whom to cite.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Text for a paper that uses the model: how it was made and measured, whom to cite.
 #pragma once
 #include <string>
 

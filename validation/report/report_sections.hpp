@@ -1,4 +1,6 @@
-// The parts of the report that hold pictures; empty where their data is missing.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The parts of the report that hold pictures; empty where their data is missing.
 #pragma once
 #include <functional>
 #include <string>

@@ -1,4 +1,6 @@
-// The rows of a certificate as HTML tables, and numbers as people read them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The rows of a certificate as HTML tables, and numbers as people read them.
 #pragma once
 #include <optional>
 #include <set>

@@ -1,4 +1,6 @@
-// A slice as a canvas to draw on, with the way from space to its pixels: what slice_picture encodes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// A slice as a canvas to draw on, with the way from space to its pixels: what slice_picture encodes.
 #pragma once
 #include "validation/report/canvas.hpp"
 #include "validation/report/pictures.hpp"

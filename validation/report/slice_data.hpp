@@ -1,4 +1,6 @@
-// The image around the heart for the report's slices: 8 bit grey values and the label map on one grid.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The image around the heart for the report's slices: 8 bit grey values and the label map on one grid.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Slices of the CT with region outlines. Drawn at twice the size and averaged down, which smooths outlines; labels are
 // interpolated by quadratic B-splines of the regions' indicators, so that outlines do not show voxel stairs.
 #include <algorithm>

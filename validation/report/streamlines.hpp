@@ -1,4 +1,6 @@
-// Lines along the fibres of a mesh.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Lines along the fibres of a mesh.
 #pragma once
 #include <cstdint>
 #include <vector>

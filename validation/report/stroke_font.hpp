@@ -1,4 +1,6 @@
-// The letters of the pictures as strokes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The letters of the pictures as strokes.
 #pragma once
 #include <string_view>
 

@@ -1,4 +1,6 @@
-// Lines along axes that are given on the points of a triangulated surface, drawn on the surface itself.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// Lines along axes that are given on the points of a triangulated surface, drawn on the surface itself.
 #pragma once
 #include <cstdint>
 #include <vector>

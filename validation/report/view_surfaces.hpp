@@ -1,4 +1,6 @@
-// The triangles of the report's 3D view: the closed surface of every region, thinned by merging neighbouring nodes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The triangles of the report's 3D view: the closed surface of every region, thinned by merging neighbouring nodes.
 #pragma once
 #include <array>
 #include <cstdint>

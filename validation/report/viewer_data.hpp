@@ -1,4 +1,6 @@
-// The data of the report's 3D view, small enough for a web page.
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// @file
+/// The data of the report's 3D view, small enough for a web page.
 #pragma once
 #include <map>
 #include <string>

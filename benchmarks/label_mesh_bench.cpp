@@ -13,6 +13,7 @@
 #include "benchmarks/mesh_measures.hpp"
 #include "datasets/phantom/phantom.hpp"
 #include "generator/adapters/itk_io.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
@@ -33,13 +34,6 @@ phantom::Phantom phantom_of(const Settings& settings) {
 
 LabelVolume labels_of(const Settings& settings) {
   return settings.labels.empty() ? phantom_of(settings).labels : adapters::read_labels(settings.labels);
-}
-
-Mask mask_of(const LabelVolume& labels, Region region) {
-  Mask mask(labels.grid);
-  std::transform(labels.voxels.begin(), labels.voxels.end(), mask.voxels.begin(),
-                 [&](std::uint8_t label) { return static_cast<std::uint8_t>(label == tag(region)); });
-  return mask;
 }
 
 bool is_heart(std::int32_t region) {
@@ -145,8 +139,8 @@ Table bench_mesh_vessels(const Settings& settings, const parallel::Comm& comm) {
   if (!comm.is_root()) return table;
   parallel::set_thread_count(settings.threads);
   const auto phantom = phantom_of(settings);
-  const auto trachea = mask_of(settings.labels.empty() ? phantom.labels : labels_of(settings), Region::trachea);
-  const auto carotid = mask_of(phantom.carotid_labels, Region::carotid);
+  const auto trachea = image::mask_of(settings.labels.empty() ? phantom.labels : labels_of(settings), Region::trachea);
+  const auto carotid = image::mask_of(phantom.carotid_labels, Region::carotid);
   MeshSettings coarse, fine;
   fine.trachea_edge_mm = 0.8;
   fine.carotid_edge_mm = 0.58;  // about 540 k cells

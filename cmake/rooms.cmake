@@ -83,7 +83,7 @@ heartgen_room(phantom FOLDER datasets/phantom
   DEPENDS model parallel LIBRARIES fmt::fmt)
 heartgen_room(pipeline FOLDER generator/pipeline
   SENTENCE "A whole build: stages, cache, checks of inputs, progress"
-  DEPENDS model parallel adapters pde anatomy landmarks labels ventricles atlas fibers stuffing mesh validation report exporters phantom
+  DEPENDS model parallel adapters image pde anatomy landmarks labels ventricles atlas fibers stuffing mesh validation report exporters phantom
   LIBRARIES heartgen_itk ${json} fmt::fmt)
 heartgen_room(command_line FOLDER generator/command_line
   SENTENCE "What every program of ours does with its command line"

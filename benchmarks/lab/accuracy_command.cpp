@@ -148,26 +148,27 @@ Case measure(const phantom::PhantomSettings& settings, const std::string& keep, 
   Case result;
   result.variant = settings.variant;
   result.noise_hu = settings.noise_hu;
-  pipeline::Run run;
-  run.comm = comm;
+  pipeline::Build build;
+  build.run.comm = comm;
+  build.recipe.segmentation = default_segmentation();
   phantom::Phantom phantom;
   parallel::run_on_root(comm, [&] { phantom = phantom::make_phantom(settings); });
   result.right_minus_muscle_hu =
       phantom::right_heart_contrast_hu(phantom::make_heart_model(settings.variant, settings.overrides));
-  Recipe recipe;
-  recipe.segmentation = default_segmentation();
   try {
-    const pipeline::Staged<CtVolume> ct{phantom.ct, ""};
-    const auto found = run.root_stage("landmarks", {}, [&] { return landmarks::find_landmarks(*ct); });
-    recipe.landmarks = found->landmarks;
+    build.ct.value = phantom.ct;
+    const auto found = build.run.stage(pipeline::On::root, "landmarks", {}, [&] {
+      return pipeline::Noted<landmarks::FoundLandmarks>{landmarks::find_landmarks(phantom.ct)};
+    });
+    build.recipe.landmarks = found->landmarks;
     if (comm.is_root()) compare_landmarks(phantom, *found, result);
-    const auto labelling = pipeline::label_ct(run, ct, recipe);
-    if (comm.is_root()) compare_maps(*labelling, phantom.labels, result);
-    if (comm.is_root() && !keep.empty()) keep_images(case_folder(keep, settings), phantom, *labelling);
+    run_stages(pipeline::label_stages(), build);
+    if (comm.is_root()) compare_maps(*build.heart, phantom.labels, result);
+    if (comm.is_root() && !keep.empty()) keep_images(case_folder(keep, settings), phantom, *build.heart);
   } catch (const UserError& error) {
     result.refusal = error.what();
   }
-  result.seconds = total_seconds(run);
+  result.seconds = total_seconds(build.run);
   return result;
 }
 

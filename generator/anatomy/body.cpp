@@ -14,6 +14,7 @@
 #include "generator/image/components.hpp"
 #include "generator/image/distance.hpp"
 #include "generator/image/gaussian.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
@@ -54,13 +55,6 @@ constexpr float trim_fraction = 0.45;          // of the shell's height above th
 constexpr double min_bone_ml = 0.5;
 constexpr double lung_look_mm = 4;  // beyond the blurred rim of a piece
 
-template <class Rule>
-Mask mask_where(const Grid& grid, Rule rule) {
-  Mask mask(grid);
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = rule(v);
-  return mask;
-}
-
 bool inside(const Grid& grid, const Vec3& position_mm) {
   const Vec3 index = index_from_lps(grid, position_mm);
   return grid.contains(std::lround(index.x), std::lround(index.y), std::lround(index.z));
@@ -94,9 +88,9 @@ Mask find_body(const CtVolume& ct, const Mask& tissue) {
   const Mask core = image::largest_component(image::erode(tissue, table_mm));
   const Mask solid = image::intersect(image::dilate(core, table_mm + 0.5), tissue);
   const image::Components gaps =
-      image::connected_components(mask_where(ct.grid, [&](std::size_t v) { return solid.voxels[v] == 0; }));
+      image::connected_components(image::mask_where(ct.grid, [&](std::size_t v) { return solid.voxels[v] == 0; }));
   const auto gap = measure_gaps(gaps, ct);
-  return mask_where(ct.grid, [&](std::size_t v) {
+  return image::mask_where(ct.grid, [&](std::size_t v) {
     const Gap& g = gap[static_cast<std::size_t>(gaps.label.voxels[v])];
     if (solid.voxels[v] || !g.reaches_side) return true;
     return g.air_voxels > 0 && g.grey_sum / static_cast<double>(g.air_voxels) > open_air_hu;
@@ -108,7 +102,7 @@ Mask find_lung(const Mask& body, const Mask& tissue) {
   if (air.voxel_count.size() < 2) return Mask(body.grid);
   const auto largest = *std::max_element(air.voxel_count.begin() + 1, air.voxel_count.end());
   const auto least = static_cast<std::int64_t>(lung_share * static_cast<double>(largest));
-  const Mask lung = mask_where(body.grid, [&](std::size_t v) {
+  const Mask lung = image::mask_where(body.grid, [&](std::size_t v) {
     const auto label = static_cast<std::size_t>(air.label.voxels[v]);
     return label > 0 && air.voxel_count[label] >= least;
   });
@@ -130,17 +124,17 @@ double median_under(const Volume<float>& image, const LabelVolume& labels, Regio
 /// Voxels nearly as bright as the heart's blood that are connected with it over more than thin contacts: the great
 /// vessels beyond the model. The spongy inside of bones is less bright, and their bright shell is thin.
 Mask find_vessels(const Volume<float>& image, const LabelVolume& chambers) {
-  const Mask heart =
-      mask_where(chambers.grid, [&](std::size_t v) { return is_blood(static_cast<Region>(chambers.voxels[v])); });
+  const Mask heart = image::mask_where(
+      chambers.grid, [&](std::size_t v) { return is_blood(static_cast<Region>(chambers.voxels[v])); });
   const double min_hu = vessel_fraction * median_under(image, chambers, Region::lv_blood);
   const Mask bright =
-      mask_where(chambers.grid, [&](std::size_t v) { return static_cast<double>(image.voxels[v]) > min_hu; });
+      image::mask_where(chambers.grid, [&](std::size_t v) { return static_cast<double>(image.voxels[v]) > min_hu; });
   const image::Components wide =
       image::connected_components(image::unite(image::erode(image::unite(bright, heart), contact_mm), heart));
   std::vector<std::uint8_t> joined(wide.voxel_count.size(), 0);
   for (std::size_t v = 0; v < heart.voxels.size(); ++v)
     if (heart.voxels[v]) joined[static_cast<std::size_t>(wide.label.voxels[v])] = 1;
-  const Mask core = mask_where(chambers.grid, [&](std::size_t v) {
+  const Mask core = image::mask_where(chambers.grid, [&](std::size_t v) {
     const auto label = static_cast<std::size_t>(wide.label.voxels[v]);
     return label > 0 && joined[label] != 0;
   });
@@ -183,7 +177,7 @@ Mask find_even_organs(const CtVolume& ct, const Volume<float>& image, const Mask
   const Vec3& spacing = ct.grid.spacing_mm;
   const LabelVolume organ =
       image::nearest_label(core, even_depth_mm + even_rim_mm + std::max({spacing.x, spacing.y, spacing.z}) / 2);
-  return mask_where(ct.grid, [&](std::size_t v) {
+  return image::mask_where(ct.grid, [&](std::size_t v) {
     return bright.voxels[v] && organ.voxels[v] && image.voxels[v] < limit[organ.voxels[v]];
   });
 }
@@ -194,7 +188,7 @@ Mask with_cortex(const Mask& pieces, const Volume<float>& image, std::int64_t mi
   std::vector<std::int64_t> cortical(parts.voxel_count.size(), 0);
   for (std::size_t v = 0; v < pieces.voxels.size(); ++v)
     if (image.voxels[v] > cortical_hu) ++cortical[static_cast<std::size_t>(parts.label.voxels[v])];
-  return mask_where(pieces.grid, [&](std::size_t v) {
+  return image::mask_where(pieces.grid, [&](std::size_t v) {
     const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
     return label > 0 && parts.voxel_count[label] >= min_voxels &&
            cortical_share * cortical[label] >= parts.voxel_count[label];
@@ -218,7 +212,7 @@ struct DepthTrend {
 /// Pieces that are contrast-filled through and through: brighter the deeper, like a blurred tube, where bone is
 /// brightest in its shell; and hardly brighter than the heart's blood, where small pieces of compact bone are.
 Mask find_filled_vessels(const Mask& pieces, const Volume<float>& image, double blood_hu) {
-  const Mask outside = mask_where(pieces.grid, [&](std::size_t v) { return pieces.voxels[v] == 0; });
+  const Mask outside = image::mask_where(pieces.grid, [&](std::size_t v) { return pieces.voxels[v] == 0; });
   if (image::count(outside) == 0) return Mask(pieces.grid);
   const auto depth = image::distance_to(outside, deepest_mm);
   const image::Components parts = image::connected_components(pieces);
@@ -231,7 +225,7 @@ Mask find_filled_vessels(const Mask& pieces, const Volume<float>& image, double 
     trend[label].add(grey, static_cast<double>(depth.voxels[v]));
     brighter[label] += grey > brightest_vessel * blood_hu;
   }
-  return mask_where(pieces.grid, [&](std::size_t v) {
+  return image::mask_where(pieces.grid, [&](std::size_t v) {
     const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
     return label > 0 && trend[label].correlation() > vessel_correlation &&
            10 * brighter[label] < parts.voxel_count[label];
@@ -294,7 +288,7 @@ Mask drop_pieces_in_lung(const Mask& bone, const Mask& lung) {
             lung_views[label] += lung(at[0], at[1], at[2]);
           }
       }
-  return mask_where(bone.grid, [&](std::size_t n) {
+  return image::mask_where(bone.grid, [&](std::size_t n) {
     const auto label = static_cast<std::size_t>(parts.label.voxels[n]);
     return label > 0 && 2 * lung_views[label] <= views[label];
   });
@@ -320,13 +314,13 @@ Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& ch
   Volume<float> image(ct.grid);
   std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
   image = image::gaussian(image, smoothing_mm);
-  const Mask bright = mask_where(ct.grid, [&](std::size_t v) {
+  const Mask bright = image::mask_where(ct.grid, [&](std::size_t v) {
     return image.voxels[v] > bone_hu && body.body.voxels[v] && chambers.voxels[v] == 0;
   });
   const Mask vessels = find_vessels(image, chambers);
-  Mask dense = mask_where(ct.grid, [&](std::size_t v) { return image.voxels[v] > brightest_bone_hu; });
+  Mask dense = image::mask_where(ct.grid, [&](std::size_t v) { return image.voxels[v] > brightest_bone_hu; });
   if (image::count(dense) > 0) dense = image::dilate(dense, dense_rim_mm);
-  const Mask rest = mask_where(ct.grid, [&](std::size_t v) {
+  const Mask rest = image::mask_where(ct.grid, [&](std::size_t v) {
     return bright.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] && !dense.voxels[v];
   });
   const Mask organs = image::unite(find_even_organs(ct, image, rest), dense);
@@ -335,10 +329,11 @@ Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& ch
   // Even marrow counts as an organ, too, but its shell closes around it.
   const Mask solid = image::subtract(image::close(shell, spongy_mm), organs);
   const Mask filled = image::fill_holes_in_slices(solid);
-  const Mask wall = mask_where(ct.grid, [&](std::size_t v) { return solid.voxels[v] || image.voxels[v] > canal_hu; });
+  const Mask wall =
+      image::mask_where(ct.grid, [&](std::size_t v) { return solid.voxels[v] || image.voxels[v] > canal_hu; });
   const Mask canal = find_spinal_canal(filled, wall, middle_of_heart_mm(chambers));
   const Mask bone = image::unite(image::subtract(filled, canal), solid);
-  const Mask kept = mask_where(ct.grid, [&](std::size_t v) {
+  const Mask kept = image::mask_where(ct.grid, [&](std::size_t v) {
     return bone.voxels[v] && body.body.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] &&
            chambers.voxels[v] == 0;
   });
@@ -362,7 +357,7 @@ BodyResult segment_body(const CtVolume& ct, const pde::SegmentationTree& tree, c
         "chambers.tissue", "name the side of the tree that is not air");
   result.lung = find_lung(result.body, tissue);
   result.bone = find_bone(ct, result, chambers);
-  const Mask free = mask_where(ct.grid, [&](std::size_t v) {
+  const Mask free = image::mask_where(ct.grid, [&](std::size_t v) {
     return result.body.voxels[v] && !result.lung.voxels[v] && !result.bone.voxels[v] && chambers.voxels[v] == 0;
   });
   const auto liver = landmarks.seeds_mm.find("liver");

@@ -16,6 +16,7 @@
 #include "generator/image/distance.hpp"
 #include "generator/image/flood.hpp"
 #include "generator/image/gaussian.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -95,12 +96,6 @@ std::vector<image::Marker> markers_of(const CtVolume& ct, const Mask& blood, con
   return markers;
 }
 
-Mask mask_of(const LabelVolume& labels, Region region) {
-  Mask mask(labels.grid);
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = labels.voxels[v] == tag(region);
-  return mask;
-}
-
 void replace_region(LabelVolume& labels, Region region, const Mask& by) {
   for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
     if (labels.voxels[v] == tag(region)) labels.voxels[v] = 0;
@@ -116,16 +111,16 @@ Mask contact(const Mask& artery, const Mask& ventricle) {
 
 void cut_vessels(LabelVolume& labels, const ChamberSettings& settings) {
   for (const auto& [region, valve] : arteries) {
-    const Mask artery = mask_of(labels, region);
+    const Mask artery = image::mask_of(labels, region);
     const Region ventricle = region == Region::aorta ? Region::lv_blood : Region::rv_blood;
-    const Mask start = contact(artery, mask_of(labels, ventricle));
+    const Mask start = contact(artery, image::mask_of(labels, ventricle));
     if (image::count(start) == 0) continue;
     if (settings.vessel_length_mm == 0) continue;  // the whole vessel
     const Mask root = cut_artery(artery, start, settings.vessel_length_mm);
     replace_region(labels, region, drop_thin_branches(root, thin_branch_mm));
   }
   for (const Region atrium : {Region::la_blood, Region::ra_blood}) {
-    Mask body = mask_of(labels, atrium);
+    Mask body = image::mask_of(labels, atrium);
     if (atrium == Region::ra_blood) body = cut_venae_cavae(body, atrium_core_share, settings.cava_stump_radii);
     body = cut_veins(body, atrium_core_share, settings.vein_stump_mm);
     replace_region(labels, atrium, drop_thin_branches(body, thin_branch_mm));
@@ -142,7 +137,7 @@ void take_out_muscles(LabelVolume& labels, const Mask& muscles) {
 void fill_mixing_clouds(LabelVolume& labels, const BloodPool& pool) {
   const double least = pool.muscle_hu + mixing_fraction * (pool.blood_hu - pool.muscle_hu);
   for (const Region atrium : {Region::la_blood, Region::ra_blood}) {
-    const Mask mask = mask_of(labels, atrium);
+    const Mask mask = image::mask_of(labels, atrium);
     Mask filled = image::close(mask, mixing_closing_mm);
     for (std::size_t v = 0; v < filled.voxels.size(); ++v)
       filled.voxels[v] = mask.voxels[v] || (filled.voxels[v] && static_cast<double>(pool.smooth.voxels[v]) > least);
@@ -179,7 +174,7 @@ void add_papillary(LabelVolume& labels, const CtVolume& ct, const BloodPool& poo
   const Mask wall = never_papillary(labels, ct, pool.muscle_hu);
   for (const Region ventricle : {Region::lv_blood, Region::rv_blood}) {
     const double radius_mm = settings.papillary_closing_mm * (ventricle == Region::lv_blood ? 1 : 0.5);
-    const Mask closed = image::close(mask_of(labels, ventricle), radius_mm);
+    const Mask closed = image::close(image::mask_of(labels, ventricle), radius_mm);
     Mask gap(labels.grid);
     for (std::size_t v = 0; v < gap.voxels.size(); ++v)
       gap.voxels[v] =
@@ -197,7 +192,7 @@ void add_papillary(LabelVolume& labels, const CtVolume& ct, const BloodPool& poo
 
 void close_trabeculae(LabelVolume& labels, double radius_mm) {
   for (const Region ventricle : {Region::lv_blood, Region::rv_blood}) {
-    const Mask closed = image::close(mask_of(labels, ventricle), radius_mm);
+    const Mask closed = image::close(image::mask_of(labels, ventricle), radius_mm);
     for (std::size_t v = 0; v < closed.voxels.size(); ++v)
       if (closed.voxels[v] && labels.voxels[v] == 0) labels.voxels[v] = tag(ventricle);
   }
@@ -206,7 +201,7 @@ void close_trabeculae(LabelVolume& labels, double radius_mm) {
 /// Keeps the largest piece of every region: what the flood reached through single voxels goes.
 void drop_islands(LabelVolume& labels) {
   for (const Region region : chamber_regions)
-    replace_region(labels, region, image::largest_component(mask_of(labels, region)));
+    replace_region(labels, region, image::largest_component(image::mask_of(labels, region)));
 }
 
 bool joined_by_valve(std::uint8_t a, std::uint8_t b) {

@@ -9,6 +9,7 @@
 #include "generator/anatomy/wall_division.hpp"
 #include "generator/image/box_around.hpp"
 #include "generator/image/distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "generator/pde/continuous_min_cut.hpp"
 #include "model/labels.hpp"
@@ -21,13 +22,6 @@ struct Cut {
   double duality_gap = 0;
   int iterations = 0;
 };
-
-template <class Rule>
-Mask mask_where(const Grid& grid, Rule rule) {
-  Mask mask(grid);
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = rule(v);
-  return mask;
-}
 
 bool is(std::uint8_t value, Region region) { return value == tag(region); }
 
@@ -54,13 +48,13 @@ Cut cut_band(const HeartBand& heart, const BandInput& band, const EpicardiumSett
 }
 
 Mask within(const Volume<float>& distance_mm, double limit_mm) {
-  return mask_where(distance_mm.grid,
-                    [&](std::size_t v) { return static_cast<double>(distance_mm.voxels[v]) <= limit_mm; });
+  return image::mask_where(distance_mm.grid,
+                           [&](std::size_t v) { return static_cast<double>(distance_mm.voxels[v]) <= limit_mm; });
 }
 
 /// Voxels that the ventricles' walls may not take: places of other walls, and blood without a label.
 Mask forbidden_to_ventricles(const HeartBand& heart) {
-  return mask_where(heart.owner.grid, [&](std::size_t v) {
+  return image::mask_where(heart.owner.grid, [&](std::size_t v) {
     const bool own = is(heart.owner.voxels[v], Region::lv_blood) || is(heart.owner.voxels[v], Region::rv_blood);
     return !own || heart.other_blood.voxels[v] != 0;
   });
@@ -93,7 +87,8 @@ BandInput ventricular_band(const HeartBand& heart, const EpicardiumSettings& set
   band.forbidden = forbidden_to_ventricles(heart);
   band.beyond = heart.beyond;
   band.inner = image::unite(lv, rv);
-  band.thick = mask_where(heart.owner.grid, [&](std::size_t v) { return is(heart.owner.voxels[v], Region::lv_blood); });
+  band.thick =
+      image::mask_where(heart.owner.grid, [&](std::size_t v) { return is(heart.owner.voxels[v], Region::lv_blood); });
   band.distance_mm = image::distance_to(rv);
   add_min_wall(band, rv, settings.minimum_rv_wall_mm);
   const Mask near_rv = within(band.distance_mm, settings.rv_band_mm);
@@ -112,7 +107,7 @@ BandInput atrial_band(const HeartBand& heart, const Mask& ventricles, const Epic
   const Mask atria = image::unite(cavity(heart, Region::la_blood), cavity(heart, Region::ra_blood));
   BandInput band;
   band.inner = atria;
-  band.forbidden = mask_where(atria.grid, [&](std::size_t v) {
+  band.forbidden = image::mask_where(atria.grid, [&](std::size_t v) {
     return heart.owner.voxels[v] == 0 || heart.other_blood.voxels[v] != 0 || ventricles.voxels[v] != 0;
   });
   band.beyond = heart.beyond;
@@ -143,7 +138,7 @@ LabelVolume label_walls(const HeartBand& heart, const Mask& left, const Mask& ve
 
 /// Both ventricles with their known walls.
 Mask known_ventricles(const HeartBand& heart) {
-  return mask_where(heart.known.grid, [&](std::size_t v) {
+  return image::mask_where(heart.known.grid, [&](std::size_t v) {
     const auto wall = heart.known.voxels[v];
     return is(wall, Region::lv_myocardium) || is(wall, Region::rv_myocardium) ||
            is(heart.chambers.voxels[v], Region::lv_blood) || is(heart.chambers.voxels[v], Region::rv_blood) ||

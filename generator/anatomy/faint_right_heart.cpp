@@ -15,6 +15,7 @@
 #include "generator/image/distance.hpp"
 #include "generator/image/flood.hpp"
 #include "generator/image/gaussian.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
@@ -68,20 +69,13 @@ Volume<float> resampled(const Volume<T>& source, const Grid& grid) {
   return result;
 }
 
-template <class Rule>
-Mask mask_where(const Grid& grid, Rule rule) {
-  Mask mask(grid);
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = rule(v);
-  return mask;
-}
-
 Volume<float> depth_of(const Mask& mask) {
-  return image::distance_to(mask_where(mask.grid, [&](std::size_t v) { return mask.voxels[v] == 0; }));
+  return image::distance_to(image::mask_where(mask.grid, [&](std::size_t v) { return mask.voxels[v] == 0; }));
 }
 
 /// The left heart's blood, divided at the valves.
 void find_left_heart(const Landmarks& landmarks, const CtVolume& seen, double threshold_hu, Scene& scene) {
-  const Mask bright = mask_where(
+  const Mask bright = image::mask_where(
       scene.hu.grid, [&](std::size_t v) { return static_cast<double>(scene.smooth.voxels[v]) > threshold_hu; });
   std::vector<image::Marker> markers;
   for (const Region region : {Region::lv_blood, Region::la_blood, Region::aorta}) {
@@ -92,8 +86,9 @@ void find_left_heart(const Landmarks& landmarks, const CtVolume& seen, double th
   }
   const LabelVolume labels = image::flood_from_markers(
       bright, depth_of(bright), markers, image::valve_barrier(bright.grid, landmarks, working_spacing_mm));
-  scene.lv = mask_where(bright.grid, [&](std::size_t v) { return labels.voxels[v] == tag(Region::lv_blood); });
-  scene.other_left = mask_where(bright.grid, [&](std::size_t v) { return bright.voxels[v] && !scene.lv.voxels[v]; });
+  scene.lv = image::mask_where(bright.grid, [&](std::size_t v) { return labels.voxels[v] == tag(Region::lv_blood); });
+  scene.other_left =
+      image::mask_where(bright.grid, [&](std::size_t v) { return bright.voxels[v] && !scene.lv.voxels[v]; });
 }
 
 Scene make_scene(const CtVolume& ct, const Landmarks& landmarks, double left_threshold_hu) {
@@ -134,7 +129,7 @@ void add_chest_wall(const Mask& cavity, const Volume<float>& smooth, std::vector
 
 /// The cavities of the right heart as far as usual walls tell, each with its tag.
 LabelVolume usual_right_heart(const Volume<float>& space, const Scene& scene, const Landmarks& landmarks) {
-  const Mask cavity = mask_where(space.grid, [&](std::size_t v) { return space.voxels[v] > 0; });
+  const Mask cavity = image::mask_where(space.grid, [&](std::size_t v) { return space.voxels[v] > 0; });
   const Volume<float> depth = depth_of(cavity);
   CtVolume seen(space.grid);
   for (std::size_t v = 0; v < seen.voxels.size(); ++v)
@@ -168,7 +163,7 @@ void take_out_muscles(const Volume<float>& hu, const Mask& thin_walled, const Fa
   Volume<float> evidence(hu.grid);
   Mask ventricle(hu.grid);
   MuscleAnchors anchors;
-  anchors.from_wall_mm = depth_of(mask_where(hu.grid, [&](std::size_t v) { return blood.voxels[v] > 0; }));
+  anchors.from_wall_mm = depth_of(image::mask_where(hu.grid, [&](std::size_t v) { return blood.voxels[v] > 0; }));
   if (const auto valve = landmarks.valves.find("tricuspid"); valve != landmarks.valves.end())
     anchors.orifice_mm = working_spacing_mm * index_from_lps(hu.grid, valve->second.center_mm);
   for (std::size_t v = 0; v < hu.voxels.size(); ++v) {
@@ -189,9 +184,9 @@ RightHeartBlood faint_right_heart(const CtVolume& ct, const Landmarks& landmarks
   const WallThickness usual = prior_thickness(walls);
   const auto parts = usual_right_heart(prior_cavity(walls, Mask(grid, 1), usual), scene, landmarks);
   const LabelVolume nearest = image::nearest_label(parts, everywhere_mm);
-  const Mask thin = mask_where(grid, [&](std::size_t v) { return nearest.voxels[v] != tag(Region::rv_blood); });
+  const Mask thin = image::mask_where(grid, [&](std::size_t v) { return nearest.voxels[v] != tag(Region::rv_blood); });
   Volume<float> space = prior_cavity(walls, thin, usual);
-  const Mask compartment = mask_where(grid, [&](std::size_t v) { return parts.voxels[v] != 0; });
+  const Mask compartment = image::mask_where(grid, [&](std::size_t v) { return parts.voxels[v] != 0; });
   FaintContrast contrast = measure_faint_contrast(scene.hu, walls, space, compartment);
   const WallThickness thickness = measure_thickness(scene.hu, walls, thin, compartment, usual, contrast);
   space = prior_cavity(walls, thin, thickness);
@@ -203,17 +198,18 @@ RightHeartBlood faint_right_heart(const CtVolume& ct, const Landmarks& landmarks
     std::transform(space.voxels.begin(), space.voxels.end(), outside.voxels.begin(), space.voxels.begin(),
                    [](float a, float b) { return std::min(a, b); });
   }
-  const Mask measured = mask_where(grid, [&](std::size_t v) { return thin.voxels[v] == 0; });
+  const Mask measured = image::mask_where(grid, [&](std::size_t v) { return thin.voxels[v] == 0; });
   Volume<float> blood = faint_blood(scene.hu, walls, space, compartment, contrast, measured_walls, measured);
   if (information(contrast) < clear_nats) blood = settle_thin_walls(std::move(blood), space, thin);
   RightHeartBlood found;
   const Volume<float> cavity = resampled(blood, ct.grid);
-  found.blood = mask_where(ct.grid, [&](std::size_t v) {
+  found.blood = image::mask_where(ct.grid, [&](std::size_t v) {
     return cavity.voxels[v] > 0 && static_cast<double>(ct.voxels[v]) < 2 * left_threshold_hu;
   });
   take_out_muscles(scene.hu, thin, contrast, landmarks, blood);
   blood = resampled(blood, ct.grid);
-  found.muscles = mask_where(ct.grid, [&](std::size_t v) { return found.blood.voxels[v] && blood.voxels[v] <= 0; });
+  found.muscles =
+      image::mask_where(ct.grid, [&](std::size_t v) { return found.blood.voxels[v] && blood.voxels[v] <= 0; });
   return found;
 }
 

@@ -13,6 +13,7 @@
 #include "generator/image/box_around.hpp"
 #include "generator/image/components.hpp"
 #include "generator/image/gaussian.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "generator/pde/chan_vese.hpp"
 #include "model/crop.hpp"
@@ -38,13 +39,6 @@ struct Disc {
   double area_mm2 = 0;
   std::int64_t slice = 0;
 };
-
-template <class Rule>
-Mask mask_where(const Grid& grid, Rule rule) {
-  Mask mask(grid);
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = rule(v);
-  return mask;
-}
 
 /// Round pieces of air in one slice that do not touch its border, with the area of a trachea.
 std::vector<Disc> discs_in_slice(const CtVolume& ct, std::int64_t k) {
@@ -118,7 +112,7 @@ std::optional<Index3> find_trachea(const CtVolume& ct, std::int64_t lowest_slice
 std::optional<Index3> start_voxel(const CtVolume& ct, const Landmarks& landmarks) {
   const auto seed = landmarks.seeds_mm.find("trachea");
   if (seed == landmarks.seeds_mm.end()) return find_trachea(ct, slice_above_heart(ct, landmarks));
-  const Mask air = mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < lumen_hu; });
+  const Mask air = image::mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < lumen_hu; });
   return seed_in_mask(ct, air, "trachea", seed->second, 3, "air");
 }
 
@@ -136,7 +130,7 @@ std::optional<double> lung_grey(const CtVolume& ct, const Mask& air, const Volum
   if (image::count(air) > limit) return median_of(ct, air);
   const Vec3& spacing = ct.grid.spacing_mm;
   const Mask deep = image::erode(air, 1.5 * std::max({spacing.x, spacing.y, spacing.z}));
-  const Mask brighter = mask_where(ct.grid, [&](std::size_t v) {
+  const Mask brighter = image::mask_where(ct.grid, [&](std::size_t v) {
     return deep.voxels[v] && static_cast<double>(smooth.voxels[v]) > lumen_grey + min_contrast_hu;
   });
   if (static_cast<double>(image::count(brighter)) * ct.grid.voxel_volume_mm3() < min_lung_ml * 1000)
@@ -148,7 +142,7 @@ std::optional<double> lung_grey(const CtVolume& ct, const Mask& air, const Volum
 /// it does not follow thin bronchi (thesis 6.2.1). `air` holds both. Empty where the seed is not inside.
 Mask airways_at(const Volume<float>& image, const Volume<float>& smooth, const Mask& air, const Index3& seed,
                 double lumen_grey, double level) {
-  const auto dark = mask_where(
+  const auto dark = image::mask_where(
       air.grid, [&](std::size_t v) { return air.voxels[v] && static_cast<double>(smooth.voxels[v]) < level; });
   Mask outline = image::component_of(dark, seed);
   if (image::count(outline) == 0) return outline;
@@ -199,7 +193,8 @@ Mask segment_trachea(const CtVolume& ct, const pde::SegmentationTree& tree, cons
   const int wall_hu = tree.empty() ? -500 : static_cast<int>((tree.front().c_below + tree.front().c_above) / 2);
   const double tissue_grey = tree.empty() ? 0 : tree.front().c_above;
   const auto limit = static_cast<std::int64_t>(volume_limit_ml * 1000 / ct.grid.voxel_volume_mm3());
-  Mask air = image::component_of(mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < wall_hu; }), *seed);
+  Mask air =
+      image::component_of(image::mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < wall_hu; }), *seed);
   const Vec3 center = lps_from_index(
       ct.grid, {static_cast<double>((*seed)[0]), static_cast<double>((*seed)[1]), static_cast<double>((*seed)[2])});
   const double lumen_grey = median_around(ct, center, lumen_radius_mm);

@@ -8,6 +8,7 @@
 
 #include "generator/image/distance.hpp"
 #include "generator/image/gaussian.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "model/error.hpp"
 #include "model/quantile.hpp"
@@ -31,13 +32,6 @@ constexpr std::array<Region, 4> chamber_regions = {Region::lv_blood, Region::rv_
 
 bool is(std::uint8_t value, Region region) { return value == tag(region); }
 
-template <class Rule>
-Mask mask_where(const Grid& grid, Rule rule) {
-  Mask mask(grid);
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = rule(v);
-  return mask;
-}
-
 template <class Keep>
 double median_where(const CtVolume& ct, double otherwise, Keep keep) {
   std::vector<std::int16_t> values;
@@ -48,8 +42,8 @@ double median_where(const CtVolume& ct, double otherwise, Keep keep) {
 
 /// Median of the soft tissue 2 to 6 mm outside the left ventricle's cavity.
 double measured_muscle_hu(const CtVolume& ct, const LabelVolume& chambers, double blood_hu) {
-  const auto distance =
-      image::distance_to(mask_where(ct.grid, [&](std::size_t v) { return is(chambers.voxels[v], Region::lv_blood); }));
+  const auto distance = image::distance_to(
+      image::mask_where(ct.grid, [&](std::size_t v) { return is(chambers.voxels[v], Region::lv_blood); }));
   return median_where(ct, blood_hu / 4, [&](std::size_t v) {
     const bool shell = distance.voxels[v] > 2 && distance.voxels[v] < 6 && chambers.voxels[v] == 0;
     return shell && ct.voxels[v] > 0 && ct.voxels[v] < blood_hu / 2;
@@ -114,7 +108,7 @@ Mask find_other_blood(const CtVolume& ct, const HeartBand& heart, double muscle_
   Volume<float> smooth(ct.grid);
   std::copy(ct.voxels.begin(), ct.voxels.end(), smooth.voxels.begin());
   smooth = image::gaussian(smooth, vessel_smoothing_mm);
-  const Mask bright = mask_where(ct.grid, [&](std::size_t v) {
+  const Mask bright = image::mask_where(ct.grid, [&](std::size_t v) {
     return heart.chambers.voxels[v] == 0 && static_cast<double>(smooth.voxels[v]) > min_hu[heart.owner.voxels[v]];
   });
   return image::open(bright, vessel_radius_mm);
@@ -156,13 +150,13 @@ HeartBand prepare_heart(const CtVolume& ct_all, const LabelVolume& chambers_all,
   const double fat = std::min(measured_fat_hu(ct), muscle - 1);
   heart.tissue = image::gaussian(clipped(ct, fat, muscle), smoothing_mm);
   heart.other_blood = find_other_blood(ct, heart, muscle);
-  heart.beyond = mask_where(
+  heart.beyond = image::mask_where(
       ct.grid, [&](std::size_t v) { return 2 * static_cast<double>(heart.tissue.voxels[v]) < fat + muscle; });
   return heart;
 }
 
 Mask cavity(const HeartBand& heart, Region region) {
-  return mask_where(heart.owner.grid, [&](std::size_t v) {
+  return image::mask_where(heart.owner.grid, [&](std::size_t v) {
     const auto label = heart.chambers.voxels[v];
     return is(label, region) || (is(label, Region::papillary) && is(heart.owner.voxels[v], region));
   });

@@ -26,6 +26,7 @@
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/walls.hpp"
 #include "generator/pde/filters.hpp"
+#include "generator/pipeline/bundle_stage.hpp"
 #include "generator/pipeline/check_inputs.hpp"
 #include "generator/pipeline/input_files.hpp"
 #include "generator/pipeline/landmarks_picture.hpp"

@@ -9,6 +9,7 @@
 
 #include "generator/atlas/standard_pose.hpp"
 #include "generator/image/isotropic_distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "generator/ventricles/base_extrapolation.hpp"

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "generator/image/isotropic_distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"

@@ -11,6 +11,7 @@
 #include "generator/atlas/atlas_image.hpp"
 #include "generator/fibers/push_forward.hpp"
 #include "generator/image/isotropic_distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 #include "generator/image/subvoxel_distance.hpp"
 #include "generator/parallel/tasks.hpp"

@@ -242,15 +242,6 @@ LevelSet smoothed_level_set(const LevelSet& surface, double sigma_voxels) {
   return once;
 }
 
-Mask mask_where(const Volume<std::uint8_t>& volume, const std::function<bool(std::uint8_t)>& inside) {
-  std::array<std::uint8_t, 256> table{};
-  for (int value = 0; value < 256; ++value)
-    table[static_cast<std::size_t>(value)] = inside(static_cast<std::uint8_t>(value));
-  Mask mask(volume.grid);
-  for (std::size_t v = 0; v < volume.voxels.size(); ++v) mask.voxels[v] = table[volume.voxels[v]];
-  return mask;
-}
-
 Vec3 gradient_at(const Volume<float>& volume, std::int64_t i, std::int64_t j, std::int64_t k) {
   Vec3 gradient;
   const std::array<std::int64_t, 3> at{i, j, k};

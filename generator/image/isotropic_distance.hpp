@@ -2,8 +2,6 @@
 /// @file
 /// Euclidean distance maps of masks and Gaussian smoothing, on grids with isotropic spacing.
 #pragma once
-#include <functional>
-
 #include "model/volume.hpp"
 
 namespace heartgen::image {
@@ -23,9 +21,6 @@ LevelSet signed_distance(const Mask& mask, double sigma_voxels);
 
 /// A level set smoothed by a Gaussian in the same way, without shrinking curved surfaces.
 LevelSet smoothed_level_set(const LevelSet& surface, double sigma_voxels);
-
-/// 1 where `inside` says so of the voxel's value.
-Mask mask_where(const Volume<std::uint8_t>& volume, const std::function<bool(std::uint8_t)>& inside);
 
 /// Central differences (one-sided at the border) in mm, along x, y, z of the grid's own axes.
 Vec3 gradient_at(const Volume<float>& volume, std::int64_t i, std::int64_t j, std::int64_t k);

@@ -11,6 +11,7 @@
 
 #include "generator/image/components.hpp"
 #include "generator/image/distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/labels/contacts.hpp"
 #include "model/crop.hpp"
 
@@ -19,13 +20,6 @@ namespace {
 
 constexpr double gap_voxels = 2;
 constexpr double bright_gap_mm = 6;  // masks of great vessels end before the valve's sinuses
-
-Mask mask_of(const LabelVolume& labels, Region region) {
-  Mask mask(labels.grid);
-  std::transform(labels.voxels.begin(), labels.voxels.end(), mask.voxels.begin(),
-                 [&](std::uint8_t label) { return static_cast<std::uint8_t>(label == tag(region)); });
-  return mask;
-}
 
 double coarsest_mm(const Grid& grid) { return std::max({grid.spacing_mm.x, grid.spacing_mm.y, grid.spacing_mm.z}); }
 
@@ -52,7 +46,7 @@ std::optional<double> muscle_of(const Scene& scene) {
   const auto given =
       median_hu(scene.ct, [&](std::size_t v) { return scene.given.voxels[v] == tag(Region::lv_myocardium); });
   if (given) return given;
-  const auto distance = image::distance_to(mask_of(scene.chambers, Region::lv_blood));
+  const auto distance = image::distance_to(image::mask_of(scene.chambers, Region::lv_blood));
   return median_hu(scene.ct, [&](std::size_t v) {
     return scene.chambers.voxels[v] == 0 && distance.voxels[v] > from_mm && distance.voxels[v] < to_mm;
   });
@@ -117,8 +111,8 @@ std::optional<double> max_width_mm(const Scene& scene, const Volume<float>& widt
 
 void close_gap(Scene& scene, const ValvePair& pair) {
   if (contacts_in(scene.chambers).of(pair.from, pair.to) >= pair.open_mm2) return;
-  const auto from = image::distance_to(mask_of(scene.chambers, pair.from));
-  const auto to = image::distance_to(mask_of(scene.chambers, pair.to));
+  const auto from = image::distance_to(image::mask_of(scene.chambers, pair.from));
+  const auto to = image::distance_to(image::mask_of(scene.chambers, pair.to));
   const auto width = width_between(from, to);
   const auto blood_hu = min_blood_hu(scene, pair);
   const auto max_mm = max_width_mm(scene, width, blood_hu.has_value());

@@ -9,6 +9,7 @@
 
 #include "generator/image/components.hpp"
 #include "generator/image/distance.hpp"
+#include "generator/image/masks.hpp"
 #include "model/crop.hpp"
 
 namespace heartgen::labels {
@@ -23,13 +24,6 @@ bool is_of_heart(std::uint8_t label) {
 
 bool is_vessel(std::uint8_t label) { return label == tag(Region::aorta) || label == tag(Region::pulmonary_artery); }
 
-Mask mask_of(const LabelVolume& labels, auto&& accept) {
-  Mask mask(labels.grid);
-  std::transform(labels.voxels.begin(), labels.voxels.end(), mask.voxels.begin(),
-                 [&](std::uint8_t label) { return static_cast<std::uint8_t>(accept(label)); });
-  return mask;
-}
-
 /// The pieces of one region.
 struct Pieces {
   std::uint8_t label = 0;
@@ -41,7 +35,8 @@ std::vector<Pieces> pieces_of_regions(const LabelVolume& labels) {
   std::vector<Pieces> all;
   for (std::uint8_t label = 1; label < region_count; ++label) {
     if (!is_of_heart(label)) continue;
-    Pieces pieces{label, image::connected_components(mask_of(labels, [&](std::uint8_t l) { return l == label; })), 0};
+    Pieces pieces{
+        label, image::connected_components(image::mask_where(labels, [&](std::uint8_t l) { return l == label; })), 0};
     const auto& counts = pieces.parts.voxel_count;
     if (counts.size() < 2) continue;
     pieces.largest = static_cast<std::int32_t>(std::max_element(counts.begin() + 1, counts.end()) - counts.begin());
@@ -52,7 +47,7 @@ std::vector<Pieces> pieces_of_regions(const LabelVolume& labels) {
 
 /// The heart: what hangs together with the largest piece of a region.
 Mask main_parts(const LabelVolume& labels, const std::vector<Pieces>& regions) {
-  const auto whole = image::connected_components(mask_of(labels, is_of_heart));
+  const auto whole = image::connected_components(image::mask_where(labels, is_of_heart));
   std::vector<std::uint8_t> stays(whole.voxel_count.size(), 0);
   for (const auto& pieces : regions)
     for (std::size_t v = 0; v < labels.voxels.size(); ++v)

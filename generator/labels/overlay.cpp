@@ -5,6 +5,7 @@
 
 #include "generator/image/components.hpp"
 #include "generator/image/distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "generator/labels/given_labels.hpp"
 #include "model/crop.hpp"
@@ -15,11 +16,8 @@ namespace {
 bool is_definite(std::uint8_t label) { return label != 0 && label != tag(Region::torso); }
 
 template <class Rule>
-Mask mask_where(const LabelVolume& labels, Rule rule) {
-  Mask mask(labels.grid);
-  std::transform(labels.voxels.begin(), labels.voxels.end(), mask.voxels.begin(),
-                 [&](std::uint8_t label) { return static_cast<std::uint8_t>(rule(static_cast<Region>(label))); });
-  return mask;
+Mask mask_of_regions(const LabelVolume& labels, Rule rule) {
+  return image::mask_where(labels, [&](std::uint8_t label) { return rule(static_cast<Region>(label)); });
 }
 
 /// A chamber, its wall, and how thick that is at least.
@@ -102,7 +100,7 @@ LabelVolume with_filled_pockets(LabelVolume chambers, const LabelVolume& given, 
   if (box.empty()) return chambers;
   LabelVolume heart = crop(given, box);
   for (auto& label : heart.voxels) label = in_heart(label) ? label : 0;
-  const Mask solid = mask_where(heart, [](Region r) { return r != Region::none; });
+  const Mask solid = mask_of_regions(heart, [](Region r) { return r != Region::none; });
   const Mask pockets = image::subtract(image::fill_holes(solid), solid);
   if (image::count(pockets) == 0) return chambers;
   const LabelVolume nearest = image::nearest_label(heart, 1e9);
@@ -123,7 +121,8 @@ LabelVolume near_heart(LabelVolume chambers, double reach_mm) {
   const Box box = bounding_box(chambers, 0, [](std::uint8_t label) { return label != 0; });
   if (box.empty()) return chambers;
   LabelVolume part = crop(chambers, box);
-  const auto distance = image::distance_to(mask_where(part, [&](Region r) { return is_blood(r) && !is_vessel(r); }));
+  const auto distance =
+      image::distance_to(mask_of_regions(part, [&](Region r) { return is_blood(r) && !is_vessel(r); }));
   for (std::size_t v = 0; v < part.voxels.size(); ++v)
     if (is_vessel(static_cast<Region>(part.voxels[v])) && static_cast<double>(distance.voxels[v]) > reach_mm)
       part.voxels[v] = 0;
@@ -136,7 +135,7 @@ LabelVolume min_walls(const LabelVolume& chambers, const LabelVolume& given, con
   LabelVolume walls(chambers.grid);
   for (const Wall& wall : walls_of(settings)) {
     if (holds(given, wall.wall)) continue;
-    const Mask blood = mask_where(chambers, [&](Region r) { return r == wall.blood; });
+    const Mask blood = mask_of_regions(chambers, [&](Region r) { return r == wall.blood; });
     const auto distance = image::distance_to(blood);
     const Mask contact = touching(blood);
     for (std::size_t v = 0; v < walls.voxels.size(); ++v) {

@@ -5,6 +5,7 @@
 
 #include "generator/image/components.hpp"
 #include "generator/image/flood.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "generator/landmarks/valve_patch.hpp"
 
@@ -16,10 +17,6 @@ constexpr double streak_mm = 4.5;         // half the width of the dark streaks 
 constexpr double wall_mm = 2.5;           // closing keeps this far from the other pools
 constexpr float darkest_streak_hu = -10;  // fat is no streak
 constexpr float deep_mm = 3;              // markers stay clear of the walls
-
-Mask region_mask(const LabelVolume& chambers, Region region) {
-  return mask_where(chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(region); });
-}
 
 /// Standard deviation of the grey value deep inside.
 double unevenness_hu(const Mask& pool, const Volume<float>& smooth) {
@@ -36,7 +33,7 @@ double unevenness_hu(const Mask& pool, const Volume<float>& smooth) {
 }
 
 Mask closed_right_heart(const LabelVolume& chambers, const Volume<float>& smooth) {
-  const Mask right = region_mask(chambers, Region::rv_blood);
+  const Mask right = image::mask_of(chambers, Region::rv_blood);
   const Mask others = mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
     return chambers.voxels[v] != 0 && chambers.voxels[v] != tag(Region::rv_blood);
   });
@@ -117,7 +114,7 @@ Mask piece_beside(const Mask& all, const Mask& neighbour) {
 }  // namespace
 
 bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const LongAxis& axis) {
-  Mask right = region_mask(chambers, Region::rv_blood);
+  Mask right = image::mask_of(chambers, Region::rv_blood);
   const bool streaks = unevenness_hu(right, smooth) > streaks_hu;
   if (streaks) right = closed_right_heart(chambers, smooth);  // else it would bridge the groove beside the valve
   const auto depth = depth_of(right);
@@ -135,10 +132,11 @@ void keep_main_pieces(LabelVolume& chambers) {
   const auto least = static_cast<std::int64_t>(1000 * min_aorta_ml / chambers.grid.voxel_volume_mm3());
   for (const Region region : {Region::lv_blood, Region::rv_blood, Region::la_blood, Region::ra_blood, Region::aorta,
                               Region::pulmonary_artery}) {
-    const Mask all = region_mask(chambers, region);
-    const Mask kept = region == Region::aorta              ? image::drop_small_components(all, least)
-                      : region == Region::pulmonary_artery ? piece_beside(all, region_mask(chambers, Region::rv_blood))
-                                                           : image::largest_component(all);
+    const Mask all = image::mask_of(chambers, region);
+    const Mask kept = region == Region::aorta ? image::drop_small_components(all, least)
+                      : region == Region::pulmonary_artery
+                          ? piece_beside(all, image::mask_of(chambers, Region::rv_blood))
+                          : image::largest_component(all);
     for (std::size_t v = 0; v < all.voxels.size(); ++v)
       if (all.voxels[v] && !kept.voxels[v]) chambers.voxels[v] = 0;
   }

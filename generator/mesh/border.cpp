@@ -7,9 +7,9 @@
 #include <limits>
 #include <span>
 
-#include "generator/mesh/quality.hpp"
 #include "generator/mesh/size_field.hpp"
 #include "generator/mesh/surfaces.hpp"
+#include "generator/tetmesh/quality.hpp"
 #include "model/labels.hpp"
 
 namespace heartgen::mesh {
@@ -225,7 +225,7 @@ std::int64_t flatten_border(const Grid& grid, std::vector<Vec3>& nodes_mm, const
       std::array<Vec3, 4> p;
       for (std::size_t i = 0; i < 4; ++i)
         p[i] = nodes_mm[static_cast<std::size_t>(cells[static_cast<std::size_t>(c)][i])];
-      least = std::min(least, min_sine(p));
+      least = std::min(least, tetmesh::cell_quality(p[0], p[1], p[2], p[3]));
     }
     return least;
   };

@@ -16,12 +16,13 @@
 #include "generator/mesh/distmesh_cells.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/floating_walls.hpp"
-#include "generator/mesh/improve.hpp"
+#include "generator/mesh/improve_kept.hpp"
 #include "generator/mesh/label_repair.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/mesh/own_edges.hpp"
 #include "generator/mesh/seeds.hpp"
 #include "generator/mesh/size_field.hpp"
+#include "generator/mesh/sort_cells.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "generator/mesh/tetgen_cells.hpp"
 #include "model/error.hpp"
@@ -98,7 +99,7 @@ LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<float>& size
   auto cells = adapters::mesh_implicit(implicit_domain(domain, sizes, layer_edges * coarsest), {});
   repair_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(), crumb_cells);
   flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
-  improve(cells.nodes_mm, cells.cells, cells.label, beyond_border, {});
+  improve_kept(cells, beyond_border);
   flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
   return cells;
 }

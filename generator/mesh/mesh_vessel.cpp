@@ -14,10 +14,11 @@
 #include "generator/image/morphology.hpp"
 #include "generator/mesh/curves.hpp"
 #include "generator/mesh/domain.hpp"
-#include "generator/mesh/improve.hpp"
+#include "generator/mesh/improve_kept.hpp"
 #include "generator/mesh/label_repair.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/mesh/seeds.hpp"
+#include "generator/mesh/sort_cells.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "generator/mesh/vessel_domain.hpp"
 #include "generator/surface_fit/self_intersections.hpp"
@@ -100,7 +101,7 @@ LabelledCells delaunay_vessel(const VesselDomain& domain) {
   auto cells = adapters::mesh_implicit(implicit_vessel(domain), {});
   const LabelSet inside = only_lumen();
   repair_labels(cells.nodes_mm, cells.cells, cells.label, std::span(&inside, 1), crumb_cells);
-  improve(cells.nodes_mm, cells.cells, cells.label, lumen_label + 1, {});
+  improve_kept(cells, lumen_label + 1);
   return cells;
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "generator/mesh/border.hpp"
-#include "generator/mesh/improve.hpp"
+#include "generator/mesh/sort_cells.hpp"
 #include "generator/mesh/level_set_at.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/open_labels.hpp"

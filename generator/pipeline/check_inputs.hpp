@@ -3,7 +3,6 @@
 /// What a build can refuse before its first stage: settings that cannot be, files that cannot be read.
 #pragma once
 #include "generator/anatomy/padding.hpp"
-#include "generator/pipeline/pipeline.hpp"
 #include "model/recipe.hpp"
 #include "model/volume.hpp"
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "generator/adapters/itk_io.hpp"
 #include "generator/anatomy/body.hpp"
 #include "generator/anatomy/chambers.hpp"
 #include "generator/anatomy/epicardium.hpp"
@@ -20,6 +21,7 @@
 #include "generator/landmarks/search.hpp"
 #include "generator/pde/diffusion.hpp"
 #include "generator/pde/hierarchy.hpp"
+#include "generator/pipeline/check_inputs.hpp"
 #include "generator/pipeline/landmarks_picture.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
@@ -27,11 +29,6 @@
 
 namespace heartgen::pipeline {
 namespace {
-
-std::vector<std::string> with(std::vector<std::string> keys, const std::string& key) {
-  keys.push_back(key);
-  return keys;
-}
 
 /// The regions that the whole map has and the given labels lack.
 std::vector<std::string> added_regions(const LabelVolume& given, const LabelVolume& heart) {
@@ -78,30 +75,92 @@ void refuse_what_needs_a_ct(const LabelVolume& given, const labels::MissingGroup
     throw UserError("lacks lv_myocardium", path, remedy);
 }
 
-/// The given labels without the groups whose stage is replaced by a file. Root only.
-LabelVolume labels_not_from_files(const Run& run, const labels::GivenLabels& given) {
-  LabelVolume rest = given.labels;
+bool makes_parts(const Build& b) {
+  if (b.from_file("labels")) return false;
+  return b.missing.any() || b.from_file("chambers") || b.from_file("epicardium") || b.from_file("body");
+}
+
+bool makes_chambers(const Build& b) {
+  return makes_parts(b) && (b.missing.chambers || b.missing.vessels) && !b.from_file("chambers");
+}
+
+bool makes_body(const Build& b) { return makes_parts(b) && b.missing.body && !b.from_file("body"); }
+
+bool needs_tree(const Build& b) { return makes_chambers(b) || makes_body(b); }
+
+bool needs_smooth(const Build& b) { return needs_tree(b) && !b.from_file("segment"); }
+
+bool needs_landmarks(const Build& b) {
+  return (b.missing.chambers || b.missing.vessels) && !chambers_are_marked(b.recipe.landmarks);
+}
+
+Noted<CtVolume> read_ct(const Build& b) { return {b.has_ct() ? adapters::read_ct(b.recipe.input.ct) : CtVolume{}}; }
+
+/// Without a CT they keep their own grid.
+Noted<LabelVolume> read_given(const Build& b) {
+  const auto& file = b.recipe.input.labels;
+  auto given = labels::read_given_labels(b.recipe.input, b.recipe.labels, b.has_ct() ? &b.ct->grid : nullptr);
+  labels::refuse_no_heart(given.labels, file);
+  Noted<LabelVolume> noted{std::move(given.labels), std::move(given.warnings)};
+  const auto islands = labels::drop_islands(noted.value);
+  noted.notes.insert(noted.notes.end(), islands.begin(), islands.end());
+  return noted;
+}
+
+/// What only a CT could add is missing no more where there is none.
+void find_what_is_missing(Build& b) {
+  const auto& file = b.recipe.input.labels;
+  b.missing = labels::missing_groups(*b.given, b.recipe.labels);
+  if (b.has_ct()) labels::refuse_labels_beside_heart(*b.given, *b.ct, file);
+  if (!b.has_ct()) refuse_what_needs_a_ct(*b.given, b.missing, file);
+  b.missing.body &= b.has_ct();
+  b.missing.vessels &= b.has_ct();
+}
+
+void settle_grid(Build& b) {
+  if (!b.has_ct()) b.ct.value.grid = b.given->grid;
+  b.run.files.grid = b.ct->grid;
+  check_seeds_inside(b.ct->grid, b.recipe.landmarks);
+}
+
+/// What was not measured where cut lungs open into it.
+Notes close_unmeasured(Build& b) {
+  b.padding = anatomy::find_padding(*b.ct);
+  anatomy::close_padding(b.ct.value, b.padding);
+  if (!b.padding.is_there()) return {};
+  return {{"ct.padding", WarningLevel::note,
+           fmt::format("The CT holds {} HU where nothing was measured: the body ends there, with a surface that is "
+                       "called fov_cut.",
+                       b.padding.value_hu)}};
+}
+
+/// The given labels without the groups whose stage is replaced by a file.
+void keep_given(Build& b) {
+  LabelVolume& rest = b.kept = *b.given;
   for (const auto& [stage, group] : {std::pair{"chambers", labels::Group::chambers},
                                      {"epicardium", labels::Group::walls},
                                      {"body", labels::Group::body}})
-    if (run.files.replaced_by.contains(stage))
+    if (b.from_file(stage))
       for (auto& label : rest.voxels)
         if (label != 0 && labels::group_of(static_cast<Region>(label)) == group) label = 0;
-  return rest;
 }
 
 /// The walls around the chambers, those that are given as they are. @collective
-LabelVolume make_walls(Run& run, const CtVolume& ct, const LabelVolume& chambers, const LabelVolume& given,
-                       bool missing, const Recipe& recipe) {
-  if (missing && recipe.input.ct.empty() && !recipe.input.labels.empty())
-    return parallel::run_on_root(run.comm, [&] { return labels::min_walls(chambers, given, recipe.epicardium); });
-  LabelVolume own(ct.grid);
-  if (missing) {
+Noted<LabelVolume> make_walls(const Build& b) {
+  const Recipe& recipe = b.recipe;
+  LabelVolume own(b.ct->grid);
+  if (b.run.agreed(b.missing.walls)) {
+    if (!b.has_ct() && b.has_labels())
+      return {
+          parallel::run_on_root(b.run.comm, [&] { return labels::min_walls(*b.chambers, b.kept, recipe.epicardium); })};
     const LabelVolume near =
-        given.voxels.empty() ? chambers : labels::near_heart(chambers, recipe.chambers.vessel_length_mm);
-    own = anatomy::epicardium(ct, near, recipe.epicardium, run.comm, labels::only(given, labels::Group::walls)).walls;
+        b.kept.voxels.empty() ? *b.chambers : labels::near_heart(*b.chambers, recipe.chambers.vessel_length_mm);
+    own = anatomy::epicardium(*b.ct, near, recipe.epicardium, b.run.comm, labels::only(b.kept, labels::Group::walls))
+              .walls;
   }
-  return labels::with_given(std::move(own), given, labels::Group::walls);
+  own = labels::with_given(std::move(own), b.kept, labels::Group::walls);
+  anatomy::clear_padding(own, b.padding);
+  return {std::move(own)};
 }
 
 constexpr const char* by_hand =
@@ -117,16 +176,18 @@ std::string show_landmarks(const CtVolume& ct, const std::filesystem::path& path
 }
 
 /// What the search says of itself tells more than that a seed is missing, and than a model of something else.
-void refuse_doubtful_landmarks(const Landmarks& all, const landmarks::FoundLandmarks& found, double confidence,
-                               const CtVolume& ct, const Doubt& doubt) {
+void refuse_doubtful_landmarks(const Build& b, const Landmarks& all, double confidence) {
   const bool complete = chambers_are_marked(all);
-  if (complete && (doubt.is_accepted || landmarks::trust_in(confidence) != landmarks::Trust::doubtful)) return;
+  const bool is_needed = b.missing.chambers;  // for vessels alone nobody is asked
+  if (complete &&
+      ((is_needed && b.options.accept_doubtful) || landmarks::trust_in(confidence) != landmarks::Trust::doubtful))
+    return;
   const std::string problem =
       complete ? fmt::format("what was found can hardly be a heart (confidence {:.2f}, at least {:g} is needed)",
                              confidence, landmarks::min_confidence)
                : "not every chamber was found";
-  throw UserError(fmt::format("{}: {}", problem, fmt::join(found.warnings, "; ")), "landmarks",
-                  show_landmarks(ct, doubt.picture) + by_hand +
+  throw UserError(fmt::format("{}: {}", problem, fmt::join(b.found->warnings, "; ")), "landmarks",
+                  (is_needed ? show_landmarks(*b.ct, picture_beside(b.options)) : "") + by_hand +
                       (complete ? ", or go on with --accept-doubtful, which marks the model" : ""));
 }
 
@@ -146,35 +207,134 @@ Warning confidence_warning(double confidence) {
   }
 }
 
-/// The given chambers with what they lack, without gaps and pockets. Root only.
-LabelVolume complete_chambers(LabelVolume own, const LabelVolume& given, const CtVolume& ct, const Recipe& recipe) {
+Notes no_vessels(const UserError& error) {
+  return {{"labels.no_vessels", WarningLevel::warning,
+           fmt::format("The great vessels that the given labels lack were not found in the CT: {}.", error.problem)}};
+}
+
+/// Whoever gives the chambers can do without the vessels.
+Noted<landmarks::FoundLandmarks> find_landmarks(const Build& b) try {
+  return {landmarks::find_landmarks(*b.ct)};
+} catch (const UserError& error) {
+  if (b.missing.chambers) throw;
+  return {{}, no_vessels(error)};
+}
+
+/// The recipe's landmarks, completed by those that were found. What the recipe gives wins.
+Notes complete_landmarks(Build& b) {
+  Landmarks all = b.recipe.landmarks;
+  all.seeds_mm.insert(b.found->landmarks.seeds_mm.begin(), b.found->landmarks.seeds_mm.end());
+  all.valves.insert(b.found->landmarks.valves.begin(), b.found->landmarks.valves.end());
+  if (!all.lv_apex_mm) all.lv_apex_mm = b.found->landmarks.lv_apex_mm;
+  const double confidence = landmarks::confidence_beside(*b.found, b.recipe.landmarks);
+  const bool corrected = b.from_file("landmarks");
+  if (!corrected) refuse_doubtful_landmarks(b, all, confidence);
+  b.recipe.landmarks = std::move(all);
+  Notes notes{corrected ? Warning{"landmarks.by_hand", WarningLevel::note,
+                                  "Seeds and valves come from a file that replaces what was found; nothing judged "
+                                  "them."}
+                        : confidence_warning(confidence)};
+  for (const auto& sentence : b.found->warnings)
+    notes.push_back({"landmarks.anatomy", WarningLevel::warning, "Automatic landmarks: " + sentence});
+  return notes;
+}
+
+Notes adopt_landmarks(Build& b) {
+  if (b.missing.chambers) {
+    auto notes = complete_landmarks(b);
+    if (takes_chambers_from_ct(b)) refuse_cut_ventricles(b.found->ventricles_cut_cm2);
+    return notes;
+  }
+  const bool is_told = b.found->landmarks.seeds_mm.empty();  // by the stage
+  try {
+    if (!is_told) return complete_landmarks(b);
+    b.missing.vessels = false;
+    return {};
+  } catch (const UserError& error) {
+    b.missing.vessels = false;
+    return no_vessels(error);
+  }
+}
+
+/// The given chambers with what they lack, without gaps and pockets.
+LabelVolume complete_chambers(LabelVolume own, const Build& b) {
+  const LabelVolume& given = b.kept;
   if (given.voxels.empty()) return own;
-  labels::refuse_organs_in_heart(given, own, recipe.input.labels);
+  labels::refuse_organs_in_heart(given, own, b.recipe.input.labels);
   own = labels::with_given(std::move(own), given, labels::Group::chambers);
-  own = labels::with_closed_gaps(std::move(own), given, recipe.input.ct.empty() ? nullptr : &ct);
-  const double crumb_mm3 = labels::crumb_mm3(recipe.mesh.heart_edge_mm);
+  own = labels::with_closed_gaps(std::move(own), given, b.has_ct() ? &*b.ct : nullptr);
+  const double crumb_mm3 = labels::crumb_mm3(b.recipe.mesh.heart_edge_mm);
   own = labels::with_filled_pockets(std::move(own), given, 5 * crumb_mm3);  // what we make, meshes must resolve
   labels::absorb_crumbs(own, crumb_mm3);
   return own;
 }
 
-}  // namespace
-
-anatomy::Padding close_unmeasured(Run& run, Staged<CtVolume>& ct, const Recipe& recipe,
-                                  std::vector<Warning>& warnings) {
-  anatomy::Padding padding;
-  if (!recipe.input.labels.empty()) return padding;
-  parallel::run_on_root(run.comm, [&] {
-    padding = anatomy::find_padding(*ct);
-    anatomy::close_padding(ct.value, padding);
-    if (padding.is_there())
-      warnings.push_back({"ct.padding", WarningLevel::note,
-                          fmt::format("The CT holds {} HU where nothing was measured: the body ends there, with a "
-                                      "surface that is called fov_cut.",
-                                      padding.value_hu)});
-  });
-  return padding;
+/// @collective
+Noted<Volume<float>> denoise(const Build& b) {
+  return {pde::perona_malik(anatomy::as_float(*b.ct), b.recipe.denoise, b.run.comm)};
 }
+
+/// @collective
+Noted<pde::SegmentationTree> segment(const Build& b) {
+  return {pde::segment(*b.smooth, b.recipe.segmentation, b.run.comm)};
+}
+
+Noted<LabelVolume> make_chambers(const Build& b) {
+  LabelVolume own(b.ct->grid);
+  if (makes_chambers(b)) own = anatomy::split_chambers(*b.ct, *b.tree, b.recipe.landmarks, b.recipe.chambers);
+  anatomy::clear_padding(own, b.padding);
+  return {complete_chambers(std::move(own), b)};
+}
+
+Noted<LabelVolume> make_body(const Build& b) {
+  const Landmarks& landmarks = b.recipe.landmarks;
+  LabelVolume own(b.ct->grid);
+  if (makes_body(b))
+    own = anatomy::label_surroundings(anatomy::segment_body(*b.ct, *b.tree, *b.chambers, landmarks, b.recipe.chambers),
+                                      anatomy::segment_trachea(*b.ct, *b.tree, landmarks));
+  anatomy::clear_padding(own, b.padding);
+  return {labels::with_given(std::move(own), b.kept, labels::Group::body)};
+}
+
+Noted<LabelVolume> make_labels(const Build& b) {
+  if (!makes_parts(b)) return {*b.given};
+  return {labels::with_all_given(anatomy::fuse_labels(*b.chambers, *b.walls, *b.body), b.kept)};
+}
+
+/// On which chambers and body depend.
+Sources sources_of_parts(const Build& b) {
+  return {b.tree.key, b.given.key, recipe_section(b.recipe, "landmarks"), recipe_section(b.recipe, "chambers")};
+}
+
+Sources with(Sources keys, const std::string& key) {
+  keys.push_back(key);
+  return keys;
+}
+
+Sources sources_of_ct(const Build& b) { return {b.hash("ct")}; }
+Sources sources_of_given(const Build& b) {
+  return {b.ct.key, b.hash("labels") + b.hash("label_names"), recipe_section(b.recipe, "labels")};
+}
+Sources sources_of_landmarks(const Build& b) { return {b.ct.key}; }
+Sources sources_of_smooth(const Build& b) { return {b.ct.key, recipe_section(b.recipe, "denoise")}; }
+Sources sources_of_tree(const Build& b) { return {b.smooth.key, recipe_section(b.recipe, "segmentation")}; }
+/// Given labels' crumbs depend on the edges.
+Sources sources_of_chambers(const Build& b) {
+  return with(sources_of_parts(b), b.has_labels() ? fmt::to_string(b.recipe.mesh.heart_edge_mm) : "");
+}
+Sources sources_of_walls(const Build& b) {
+  return {b.ct.key, b.chambers.key, b.given.key, recipe_section(b.recipe, "epicardium")};
+}
+Sources sources_of_body(const Build& b) { return with(sources_of_parts(b), b.chambers.key); }
+Sources sources_of_labels(const Build& b) {
+  if (!makes_parts(b)) return {b.given.key};
+  return {b.chambers.key, b.walls.key, b.body.key, b.given.key};
+}
+
+constexpr Needed has_labels = [](const Build& b) { return b.has_labels(); };
+constexpr Needed has_no_labels = [](const Build& b) { return !b.has_labels(); };
+
+}  // namespace
 
 bool chambers_are_marked(const Landmarks& landmarks) {
   for (const char* chamber : {"lv_blood", "rv_blood", "la_blood", "ra_blood"})
@@ -182,125 +342,49 @@ bool chambers_are_marked(const Landmarks& landmarks) {
   return true;
 }
 
-CompletedLandmarks complete_landmarks(Run& run, const Staged<CtVolume>& ct, const Landmarks& given,
-                                      std::vector<Warning>& warnings, const Doubt& doubt) {
-  if (chambers_are_marked(given)) return {given};
-  const auto found = run.root_stage("landmarks", {ct.key}, [&] { return landmarks::find_landmarks(*ct); });
-  Landmarks all = given;
-  all.seeds_mm.insert(found->landmarks.seeds_mm.begin(), found->landmarks.seeds_mm.end());
-  all.valves.insert(found->landmarks.valves.begin(), found->landmarks.valves.end());
-  if (!all.lv_apex_mm) all.lv_apex_mm = found->landmarks.lv_apex_mm;
-  const bool corrected = run.files.replaced_by.contains("landmarks");
-  const double confidence = landmarks::confidence_beside(*found, given);
-  if (!corrected)
-    parallel::run_on_root(run.comm, [&] { refuse_doubtful_landmarks(all, *found, confidence, *ct, doubt); });
-  warnings.push_back(corrected ? Warning{"landmarks.by_hand", WarningLevel::note,
-                                         "Seeds and valves come from a file that replaces what was found; nothing "
-                                         "judged them."}
-                               : confidence_warning(confidence));
-  for (const auto& sentence : found->warnings)
-    warnings.push_back({"landmarks.anatomy", WarningLevel::warning, "Automatic landmarks: " + sentence});
-  std::string text = write_landmarks(all);  // what the root found, for every rank
-  parallel::broadcast(run.comm, text);
-  return {parse_landmarks(text, "automatic landmarks"), found->ventricles_cut_cm2};
+bool takes_chambers_from_ct(const Build& b) {
+  return b.missing.chambers && !b.from_file("chambers") && !b.from_file("labels");
 }
 
-bool find_vessels(Run& run, const Staged<CtVolume>& ct, Landmarks& landmarks, std::vector<Warning>& warnings) {
-  try {
-    landmarks = complete_landmarks(run, ct, landmarks, warnings, {}).landmarks;
-    return true;
-  } catch (const UserError& error) {
-    warnings.push_back(
-        {"labels.no_vessels", WarningLevel::warning,
-         fmt::format("The great vessels that the given labels lack were not found in the CT: {}.", error.problem)});
-    return false;
-  }
+std::filesystem::path picture_beside(const BuildOptions& options) {
+  if (options.output.empty()) return {};
+  return options.output.string() + ".landmarks.png";
 }
 
-std::vector<Warning> label_warnings(const LabelVolume& given, const LabelVolume& heart, bool has_ct) {
-  std::vector<Warning> warnings;
+Notes label_notes(const LabelVolume& given, const LabelVolume& heart, bool has_ct) {
+  Notes notes;
   if (!given.voxels.empty()) {
-    warnings.push_back(completion_warning(given, heart, has_ct));
+    notes.push_back(completion_warning(given, heart, has_ct));
     if (auto grown = grown_regions(given, heart); !grown.empty())
-      warnings.push_back(
+      notes.push_back(
           {"labels.grown", WarningLevel::note,
            fmt::format("Gaps and pockets beside the given regions were closed: {}.", fmt::join(grown, ", "))});
   }
   const auto valves = labels::closed_valves(heart);
-  warnings.insert(warnings.end(), valves.begin(), valves.end());
-  return warnings;
+  notes.insert(notes.end(), valves.begin(), valves.end());
+  return notes;
 }
 
-KnownLabels read_known_labels(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const std::string& hash,
-                              std::vector<Warning>& warnings) {
-  KnownLabels known;
-  if (recipe.input.labels.empty()) return known;
-  const bool has_ct = !recipe.input.ct.empty();
-  known.given = run.root_stage("given", {ct.key, hash, recipe_section(recipe, "labels")}, [&] {
-    auto given = labels::read_given_labels(recipe.input, recipe.labels, has_ct ? &ct->grid : nullptr);
-    labels::refuse_no_heart(given.labels, recipe.input.labels);
-    const auto islands = labels::drop_islands(given.labels);
-    given.warnings.insert(given.warnings.end(), islands.begin(), islands.end());
-    return given;
-  });
-  known.missing = parallel::run_on_root(run.comm, [&] {
-    auto missing = labels::missing_groups(known.given->labels, recipe.labels);
-    if (has_ct) labels::refuse_labels_beside_heart(known.given->labels, *ct, recipe.input.labels);
-    if (!has_ct) refuse_what_needs_a_ct(known.given->labels, missing, recipe.input.labels);
-    warnings.insert(warnings.end(), known.given->warnings.begin(), known.given->warnings.end());
-    missing.body &= has_ct;
-    missing.vessels &= has_ct;
-    return missing;
-  });
-  parallel::broadcast(run.comm, known.missing);
-  return known;
+Stages input_stages() {
+  return {stage("read", 1, always, &Build::ct, sources_of_ct, read_ct),
+          stage("given", 3, has_labels, &Build::given, sources_of_given, read_given),
+          step(has_labels, find_what_is_missing), step(always, settle_grid), step(has_no_labels, close_unmeasured)};
 }
 
-Staged<LabelVolume> label_ct(Run& run, const Staged<CtVolume>& ct, const Recipe& recipe, const KnownLabels& known,
-                             const anatomy::Padding& padding) {
-  const auto from_file = [&](const char* stage) { return run.files.replaced_by.contains(stage); };
-  const bool whole_map = from_file("labels") || !(known.missing.any() || from_file("chambers") ||
-                                                  from_file("epicardium") || from_file("body"));
-  if (whole_map) return run.root_stage("labels", {known.given.key}, [&] { return known.given->labels; });
+Stages landmark_stages() {
+  return {stage("landmarks", 8, needs_landmarks, &Build::found, sources_of_landmarks, find_landmarks),
+          step(needs_landmarks, adopt_landmarks)};
+}
 
-  const bool make_chambers = (known.missing.chambers || known.missing.vessels) && !from_file("chambers");
-  const bool make_body = known.missing.body && !from_file("body");
-  if (make_chambers || make_body) parallel::run_on_root(run.comm, [&] { anatomy::require_hounsfield(*ct); });
-  const LabelVolume given = labels_not_from_files(run, *known.given);
-  Staged<Volume<float>> smooth;
-  Staged<pde::SegmentationTree> tree;
-  if ((make_chambers || make_body) && !from_file("segment"))
-    smooth = run.stage("denoise", {ct.key, recipe_section(recipe, "denoise")},
-                       [&] { return pde::perona_malik(anatomy::as_float(*ct), recipe.denoise, run.comm); });
-  if (make_chambers || make_body)
-    tree = run.stage("segment", {smooth.key, recipe_section(recipe, "segmentation")},
-                     [&] { return pde::segment(*smooth, recipe.segmentation, run.comm); });
-  const std::vector<std::string> sources = {tree.key, known.given.key, recipe_section(recipe, "landmarks"),
-                                            recipe_section(recipe, "chambers")};
-  const bool has_labels = !recipe.input.labels.empty();  // their crumbs depend on the edges
-  const std::string edge = has_labels ? fmt::to_string(recipe.mesh.heart_edge_mm) : "";
-  const auto chambers = run.root_stage("chambers", with(sources, edge), [&] {
-    LabelVolume own(ct->grid);
-    if (make_chambers) own = anatomy::split_chambers(*ct, *tree, recipe.landmarks, recipe.chambers);
-    anatomy::clear_padding(own, padding);
-    return complete_chambers(std::move(own), given, *ct, recipe);
-  });
-  const auto walls =
-      run.stage("epicardium", {ct.key, chambers.key, known.given.key, recipe_section(recipe, "epicardium")}, [&] {
-        auto own = make_walls(run, *ct, *chambers, given, known.missing.walls, recipe);
-        anatomy::clear_padding(own, padding);
-        return own;
-      });
-  const auto body = run.root_stage("body", with(sources, chambers.key), [&] {
-    LabelVolume own(ct->grid);
-    if (make_body)
-      own = anatomy::label_surroundings(anatomy::segment_body(*ct, *tree, *chambers, recipe.landmarks, recipe.chambers),
-                                        anatomy::segment_trachea(*ct, *tree, recipe.landmarks));
-    anatomy::clear_padding(own, padding);
-    return labels::with_given(std::move(own), given, labels::Group::body);
-  });
-  return run.root_stage("labels", {chambers.key, walls.key, body.key, known.given.key},
-                        [&] { return labels::with_all_given(anatomy::fuse_labels(*chambers, *walls, *body), given); });
+Stages label_stages() {
+  return {step(needs_tree, [](Build& b) { anatomy::require_hounsfield(*b.ct); }),
+          step(makes_parts, keep_given),
+          stage("denoise", 2, needs_smooth, &Build::smooth, sources_of_smooth, denoise, On::all_ranks),
+          stage("segment", 8, needs_tree, &Build::tree, sources_of_tree, segment, On::all_ranks),
+          stage("chambers", 8, makes_parts, &Build::chambers, sources_of_chambers, make_chambers),
+          stage("epicardium", 10, makes_parts, &Build::walls, sources_of_walls, make_walls, On::all_ranks),
+          stage("body", 5, makes_parts, &Build::body, sources_of_body, make_body),
+          stage("labels", 3, always, &Build::heart, sources_of_labels, make_labels)};
 }
 
 }  // namespace heartgen::pipeline

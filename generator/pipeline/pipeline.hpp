@@ -1,24 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// @file
-/// From a recipe to a model bundle: all stages as one list.
+/// From a recipe to a model bundle: all stages as one table.
 #pragma once
-#include <filesystem>
 #include <string>
 
-#include "exporters/bundle.hpp"
 #include "generator/parallel/comm.hpp"
-#include "model/recipe.hpp"
+#include "generator/pipeline/build.hpp"
 
 namespace heartgen::pipeline {
-
-struct BuildOptions {
-  std::filesystem::path output;        ///< folder of the bundle
-  std::filesystem::path cache_folder;  ///< stage results; empty: no cache
-  std::filesystem::path keep_stages;   ///< where the image stages' results are written as files; empty: nowhere
-  bool replace = false;                ///< replace an existing bundle
-  bool progress = true;
-  bool accept_doubtful = false;  ///< go on with automatic landmarks that can hardly be a heart's
-};
 
 struct BuildResult {
   std::string content_id;
@@ -29,13 +18,5 @@ struct BuildResult {
 /// Runs every stage and writes the bundle; the result counts on the root. @collective
 /// Throws UserError (on every rank) for bad input; what can be checked is checked before the first stage.
 BuildResult build(const Recipe& recipe, const BuildOptions& options, const parallel::Comm& comm);
-
-/// Of a bundle's meshes, sorted.
-std::vector<std::string> names_of(const std::map<std::string, TetMesh>& meshes);
-
-/// The certificate of a bundle's meshes as `build` and `validate` make it: mesh and fibre checks, and the meshes
-/// against their label map.
-Report certificate(const std::map<std::string, TetMesh>& meshes, const LabelVolume& labels,
-                   const MeshSettings& mesh_settings, const ValidationSettings& settings);
 
 }  // namespace heartgen::pipeline

@@ -80,8 +80,8 @@ bool Run::agreed(bool on_root) const {
   return text == "1";
 }
 
-void Run::record(const std::string& name, double seconds, From from) {
-  times.push_back({name, seconds, from, peak_gib()});
+void Run::record(const std::string& name, double seconds, From from, std::vector<PartTime> parts) {
+  times.push_back({name, seconds, from, peak_gib(), std::move(parts)});
   stage_ends(progress, name,
              from == From::cache  ? "from the cache"
              : from == From::file ? "from the given file"

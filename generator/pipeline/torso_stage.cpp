@@ -20,6 +20,11 @@ namespace {
 
 constexpr const char* section = "recipe, [torso]";
 
+/// Stands for the torso's files.
+std::string hash_of_torso(const Build& b) {
+  return b.hash("torso.ct") + b.hash("torso.labels") + b.hash("torso.landmarks");
+}
+
 /// A map's 3 rows of 4 numbers, and the map of such numbers.
 std::vector<double> numbers_of(const AffineMap& map) {
   std::vector<double> numbers;
@@ -57,38 +62,31 @@ bool is_similarity(const AffineMap& map) {
   return std::isfinite(norm(map.offset_mm));
 }
 
-struct Person {
-  LabelVolume labels;
-  Landmarks landmarks;
-  anatomy::Padding padding{};  ///< of the CT that the labels were made from
-};
-
 /// The other patient's CT goes through the same image stages; their progress is not shown, their results are not kept.
-Person segmented(Run& run, const Recipe& recipe, const std::string& torso_hash, std::vector<Warning>& warnings) try {
-  Recipe other = recipe;
-  other.input = {};
-  other.input.ct = recipe.torso.ct;
-  other.replace = {};
-  other.landmarks = recipe.torso.landmarks.empty() ? Landmarks{} : read_landmarks(recipe.torso.landmarks);
-  Run own;
-  own.comm = run.comm;
-  own.cache_folder = run.cache_folder;
-  own.program_hash = run.program_hash;
-  auto ct = own.root_stage("read", {torso_hash}, [&] { return adapters::read_ct(other.input.ct); });
-  std::vector<Warning> own_warnings;
-  const auto padding = close_unmeasured(own, ct, other, own_warnings);
-  other.landmarks = complete_landmarks(own, ct, other.landmarks, own_warnings).landmarks;
-  Person person{label_ct(own, ct, other, {}, padding).value, other.landmarks, padding};
-  run.used_keys.insert(run.used_keys.end(), own.used_keys.begin(), own.used_keys.end());
-  for (const auto& [code, level, text] : own_warnings)
-    warnings.push_back({"torso." + code, level, "The torso's CT: " + text});
+/// @collective
+Noted<Person> segmented(const Build& b) try {
+  Build own;
+  own.recipe = b.recipe;
+  own.recipe.input = {};
+  own.recipe.input.ct = b.recipe.torso.ct;
+  own.recipe.replace = {};
+  own.recipe.landmarks = b.recipe.torso.landmarks.empty() ? Landmarks{} : read_landmarks(b.recipe.torso.landmarks);
+  own.run.comm = b.run.comm;
+  own.run.cache_folder = b.run.cache_folder;
+  own.run.program_hash = b.run.program_hash;
+  own.hashes["ct"] = hash_of_torso(b);
+  run_stages(joined({input_stages(), landmark_stages(), label_stages()}), own);
+  Noted<Person> person{{std::move(own.heart.value), own.recipe.landmarks, own.padding, own.run.used_keys}};
+  for (const auto& [code, level, text] : own.run.notes)
+    person.notes.push_back({"torso." + code, level, "The torso's CT: " + text});
   return person;
 } catch (const UserError& error) {
   throw UserError(error.problem, "[torso] of the recipe, " + error.where, error.remedy);
 }
 
 Person read_person(const TorsoSettings& settings) {
-  Person person{adapters::read_labels(settings.labels), {}, {}};
+  Person person;
+  person.labels = adapters::read_labels(settings.labels);
   if (!settings.landmarks.empty()) person.landmarks = read_landmarks(settings.landmarks);
   return person;
 }
@@ -129,6 +127,35 @@ std::string remark_of(const TorsoAround& around, const TorsoSettings& settings) 
                      std::filesystem::path(settings.ct + settings.labels).filename().string(), how, around.pose.scale);
 }
 
+/// The other patient's map and the pose depend on them.
+Sources sources_of_torso(const Build& b) {
+  std::string sections;
+  for (const char* name : {"denoise", "segmentation", "chambers", "epicardium", "landmarks", "torso"})
+    sections += recipe_section(b.recipe, name);
+  return {b.heart.key, hash_of_torso(b), sections};
+}
+
+Noted<TorsoAround> place_in_torso(const Build& b) {
+  const auto& labels = b.recipe.torso.labels;
+  return {place(*b.heart, b.recipe, labels.empty() ? b.other : read_person(b.recipe.torso))};
+}
+
+/// The pose is left in the recipe. Where the bundle has the torso's frame, the grids of the heart's images go there:
+/// whatever is made from them is there, too.
+Notes adopt_pose(Build& b) {
+  Notes notes{{"torso.other_patient", WarningLevel::note, remark_of(*b.around, b.recipe.torso)}};
+  const auto& pose = b.around->pose.torso_from_heart;
+  b.recipe.torso.torso_from_heart = numbers_of(pose);
+  b.recipe.torso.landmarks.clear();  // the pose is what they gave
+  if (b.recipe.torso.frame == "torso") {
+    b.heart.value.grid = moved(b.heart->grid, pose);
+    b.ct.value.grid = moved(b.ct->grid, pose);
+  }
+  b.run.used_keys.insert(b.run.used_keys.end(), b.other.used_keys.begin(), b.other.used_keys.end());
+  b.other = {};
+  return notes;
+}
+
 }  // namespace
 
 void check_torso(const TorsoSettings& s) {
@@ -156,27 +183,11 @@ void check_torso(const TorsoSettings& s) {
                     "correct it, or leave it out to have it fitted");
 }
 
-Staged<TorsoAround> place_in_torso(Run& run, Staged<LabelVolume>& heart, Grid& ct_grid, Recipe& recipe,
-                                   const std::string& torso_hash, std::vector<Warning>& warnings) {
-  if (!recipe.torso.is_given()) return {};
-  Person person;
-  if (!recipe.torso.ct.empty()) person = segmented(run, recipe, torso_hash, warnings);
-  std::string sections;  // on which the other patient's map and the pose depend
-  for (const char* name : {"denoise", "segmentation", "chambers", "epicardium", "landmarks", "torso"})
-    sections += recipe_section(recipe, name);
-  auto around = run.root_stage("torso", {heart.key, torso_hash, sections}, [&] {
-    if (!recipe.torso.labels.empty()) person = read_person(recipe.torso);
-    return place(*heart, recipe, person);
-  });
-  warnings.push_back({"torso.other_patient", WarningLevel::note, remark_of(*around, recipe.torso)});
-  const auto& pose = around->pose.torso_from_heart;
-  recipe.torso.torso_from_heart = numbers_of(pose);
-  recipe.torso.landmarks.clear();  // the pose is what they gave
-  if (recipe.torso.frame == "torso") {
-    heart.value.grid = moved(heart->grid, pose);
-    ct_grid = moved(ct_grid, pose);
-  }
-  return around;
+Stages torso_stages() {
+  constexpr Needed has_torso = [](const Build& b) { return b.has_torso(); };
+  constexpr Needed has_torso_ct = [](const Build& b) { return !b.recipe.torso.ct.empty(); };
+  return {last_stage("torso_ct", 30, has_torso_ct, &Build::other, segmented, On::all_ranks),
+          stage("torso", 3, has_torso, &Build::around, sources_of_torso, place_in_torso), step(has_torso, adopt_pose)};
 }
 
 Landmarks landmarks_in_bundle(const Recipe& recipe) {

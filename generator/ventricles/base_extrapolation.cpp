@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "generator/image/isotropic_distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/crop.hpp"

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "generator/image/isotropic_distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 #include "generator/image/subvoxel_distance.hpp"
 #include "generator/image/voxel_layers.hpp"

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "generator/image/isotropic_distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "generator/ventricles/base_extrapolation.hpp"

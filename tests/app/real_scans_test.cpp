@@ -31,17 +31,15 @@ class RealScans : public ::testing::TestWithParam<const char*> {};
 TEST_P(RealScans, HaveAllChambersWithoutALandmark) {
   const std::string file = testing::real_data(GetParam());
   if (file.empty()) GTEST_SKIP() << GetParam() << " is not on this machine";
-  heartgen::pipeline::Run run;
-  run.comm = parallel::self();
-  const pipeline::Staged<CtVolume> ct{adapters::read_ct(file), ""};
-  Recipe recipe;
-  recipe.segmentation = default_segmentation();
-  std::vector<Warning> warnings;
-  recipe.landmarks = pipeline::complete_landmarks(run, ct, {}, warnings).landmarks;
-  const auto labels = pipeline::label_ct(run, ct, recipe);
+  pipeline::Build build;
+  build.run.comm = parallel::self();
+  build.recipe.input.ct = file;
+  build.recipe.segmentation = default_segmentation();
+  run_stages(pipeline::joined({pipeline::input_stages(), pipeline::landmark_stages(), pipeline::label_stages()}),
+             build);
   for (const auto& [region, min_ml, max_ml] : usual) {
-    EXPECT_GT(volume_ml(*labels, region), min_ml) << region_name(tag(region));
-    EXPECT_LT(volume_ml(*labels, region), max_ml) << region_name(tag(region));
+    EXPECT_GT(volume_ml(*build.heart, region), min_ml) << region_name(tag(region));
+    EXPECT_LT(volume_ml(*build.heart, region), max_ml) << region_name(tag(region));
   }
 }
 

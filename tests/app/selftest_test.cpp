@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The built-in case: the same bits as everywhere, whatever the processor's instructions, threads and processes.
+// The built-in case: the same bits as everywhere, whatever the processor's instructions, threads, ranks and
+// locale.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -23,13 +24,15 @@ TEST_P(SelftestOn, ComputesTheExpectedBits) {
                               << run.output << run.errors;
 }
 
-INSTANTIATE_TEST_SUITE_P(Machines, SelftestOn,
-                         ::testing::Values(std::pair<std::string, std::string>{"", ""}, std::pair{"--threads 1", ""},
-                                           std::pair{"--simd plain", fewer_instructions},
-                                           std::pair{"", testing::on_ranks(2)}));
+INSTANTIATE_TEST_SUITE_P(
+    Machines, SelftestOn,
+    ::testing::Values(std::pair<std::string, std::string>{"", ""},
+                      std::pair{"--threads 1", "env LC_ALL=de_DE.UTF-8 LANG=de_DE.UTF-8 TZ=Asia/Tokyo"},
+                      std::pair{"--simd plain", fewer_instructions}, std::pair{"--threads 2", testing::on_ranks(2)}));
 
-TEST(SelftestJson, TellsTheIds) {
-  const auto run = testing::heartgen("selftest --json", testing::scratch_folder("selftest_json").string());
+TEST(SelftestJson, TellsTheIdsOnFiveRanks) {
+  const auto run = testing::heartgen("selftest --threads 1 --json", testing::scratch_folder("selftest_json").string(),
+                                     testing::on_ranks(5));
   const auto json = nlohmann::json::parse(run.output);
   EXPECT_EQ(json["content_id"], json["expected"]);
   EXPECT_TRUE(json["different"].empty());

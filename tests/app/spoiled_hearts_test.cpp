@@ -13,7 +13,7 @@
 #include "exporters/bundle.hpp"
 #include "exporters/certificate_json.hpp"
 #include "generator/adapters/itk_io.hpp"
-#include "generator/pipeline/pipeline.hpp"
+#include "generator/pipeline/bundle_stage.hpp"
 #include "model/labels.hpp"
 #include "model/recipe.hpp"
 #include "support/data.hpp"
@@ -55,7 +55,8 @@ class SpoiledHearts : public ::testing::Test {
     const auto phantom = testing::heartgen("phantom phantom --size 102,100,82 --spacing 2.4,2.4,2.4", folder());
     ASSERT_EQ(phantom.exit_code, 0) << phantom.errors;
     std::ofstream(folder() + "/phantom/recipe.toml", std::ios::app)
-        << "\n[mesh]\nmeshes = [\"myocardium\", \"chambers\"]\n";
+        << "\n[fibers]\ngrid_mm = 3\ndepth_grid_mm = 3\ndemons_iterations = [5, 3, 1]\n"
+           "[mesh]\nmeshes = [\"myocardium\", \"chambers\"]\n";
     const auto built = build("bundle", "heart_edge_mm = 2\n");
     ASSERT_EQ(built.exit_code, 0) << built.output << built.errors;
     auto& heart = good();

@@ -51,7 +51,8 @@ class AnotherTorso : public ::testing::Test {
         << "[input]\nlabels = \"patient/truth/labels.nii.gz\"\nsize_field = \"edges.nii.gz\"\n"
         << "[torso]\nlabels = \"other/truth/labels.nii.gz\"\n"
         << torso << "\n[mesh]\nmeshes = [\"myocardium\", \"torso\"]\n"
-        << "heart_edge_mm = 3\nblood_edge_mm = 8\ntorso_edge_mm = 24\n";
+        << "heart_edge_mm = 3\nblood_edge_mm = 8\ntorso_edge_mm = 24\n"
+        << "[fibers]\ngrid_mm = 3\ndepth_grid_mm = 3\ndemons_iterations = [5, 3, 1]\n";
     const auto run =
         testing::heartgen(fmt::format("build {0}.toml --output {0} --quiet --no-cache", name), folder().string());
     ASSERT_EQ(run.exit_code, 0) << run.errors;

@@ -10,6 +10,7 @@
 #include "generator/atlas/atlas_image.hpp"
 #include "generator/fibers/registered_pair.hpp"
 #include "generator/image/isotropic_distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"

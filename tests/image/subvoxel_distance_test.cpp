@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "generator/image/isotropic_distance.hpp"
+#include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 
 namespace heartgen {

@@ -29,7 +29,7 @@ TEST_F(LabelWarnings, WhatAGivenRegionGainedIsTold) {
   LabelVolume heart = given;
   std::fill_n(heart.voxels.begin() + 200, 100, tag(Region::lv_blood));
   std::fill_n(heart.voxels.begin() + 300, 50, tag(Region::lv_myocardium));
-  const auto warnings = pipeline::label_warnings(given, heart, true);
+  const auto warnings = pipeline::label_notes(given, heart, true);
   const auto* grown = with_code(warnings, "labels.grown");
   ASSERT_NE(grown, nullptr);
   EXPECT_NE(grown->text.find("lv_blood by 0.1 ml"), std::string::npos) << grown->text;
@@ -40,11 +40,11 @@ TEST_F(LabelWarnings, WhatAGivenRegionGainedIsTold) {
 }
 
 TEST_F(LabelWarnings, NothingGrewWhereNothingChanged) {
-  EXPECT_EQ(with_code(pipeline::label_warnings(given, given, true), "labels.grown"), nullptr);
+  EXPECT_EQ(with_code(pipeline::label_notes(given, given, true), "labels.grown"), nullptr);
 }
 
 TEST_F(LabelWarnings, AVentricleWithoutAnOutletIsTold) {
-  const auto* missing = with_code(pipeline::label_warnings(given, given, true), "labels.no_outlet");
+  const auto* missing = with_code(pipeline::label_notes(given, given, true), "labels.no_outlet");
   ASSERT_NE(missing, nullptr);
   EXPECT_EQ(missing->level, WarningLevel::warning);
 }

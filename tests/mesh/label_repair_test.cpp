@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "generator/mesh/improve.hpp"
+#include "generator/mesh/label_repair.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,6 @@
 #include <map>
 #include <set>
 
-#include "generator/mesh/flips.hpp"
-#include "generator/mesh/label_repair.hpp"
-#include "generator/mesh/quality.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "support/diced_cubes.hpp"
 
@@ -35,88 +32,6 @@ Labelled cube(int n, int split) {
     mesh.label.push_back(outside(i) || outside(j) || outside(k) ? 0 : k < split ? 1 : 2);
   });
   return mesh;
-}
-
-// A repeatable number in [-1, 1] for a node and an axis.
-double wobble(std::size_t node, int axis) { return std::sin(12.9898 * static_cast<double>(node) + 78.233 * axis); }
-
-double worst_of(const Labelled& mesh) {
-  double worst = 1;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (mesh.label[c] == 0) continue;
-    const auto at = [&](std::size_t i) { return mesh.nodes[static_cast<std::size_t>(mesh.cells[c][i])]; };
-    worst = std::min(worst, mesh::min_sine({at(0), at(1), at(2), at(3)}));
-  }
-  return worst;
-}
-
-double volume_of(const Labelled& mesh, std::int32_t label) {
-  TetMesh whole;
-  whole.nodes_mm = mesh.nodes;
-  double volume = 0;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    if (mesh.label[c] == label) volume += cell_volume_mm3(whole, mesh.cells[c]);
-  return volume;
-}
-
-std::set<std::set<std::int32_t>> interface_faces(const Labelled& mesh) {
-  std::set<std::set<std::int32_t>> faces;
-  for (const auto& f : mesh::cell_faces(mesh.cells))
-    if (f.other >= 0 && mesh.label[static_cast<std::size_t>(f.cell)] != mesh.label[static_cast<std::size_t>(f.other)])
-      faces.insert({f.nodes[0], f.nodes[1], f.nodes[2]});
-  return faces;
-}
-
-TEST(Quality, SineOfKnownCells) {
-  EXPECT_NEAR(mesh::min_sine({Vec3{1, 1, 1}, Vec3{-1, 1, -1}, Vec3{1, -1, -1}, Vec3{-1, -1, 1}}), std::sqrt(8.0) / 3,
-              1e-12);
-  EXPECT_NEAR(mesh::min_sine({Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}), std::sqrt(2.0 / 3), 1e-12);
-  EXPECT_LT(mesh::min_sine({Vec3{0, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, 1}}), 0) << "inverted";
-  EXPECT_EQ(mesh::min_sine({Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 0}}), 0) << "two equal nodes";
-}
-
-TEST(Improve, ShakenMeshGetsBetterAndKeepsItsInterfaces) {
-  auto mesh = cube(8, 4);
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    auto& p = mesh.nodes[n];
-    const bool inside = p.x > 1 && p.x < 7 && p.y > 1 && p.y < 7 && p.z > 1 && p.z < 7 && p.z != 4;
-    for (int axis = 0; inside && axis < 3; ++axis) p[axis] += 0.2 * wobble(n, axis);
-  }
-  const auto faces = interface_faces(mesh);
-  const double before = worst_of(mesh), lower = volume_of(mesh, 1), upper = volume_of(mesh, 2);
-  ASSERT_GT(before, 0);
-  ASSERT_LT(before, 0.15);
-  mesh::improve(mesh.nodes, mesh.cells, mesh.label, 3, {});
-  EXPECT_GT(worst_of(mesh), std::sin(15 * std::acos(-1.0) / 180));
-  EXPECT_EQ(interface_faces(mesh), faces);
-  EXPECT_NEAR(volume_of(mesh, 1), lower, 1e-9);
-  EXPECT_NEAR(volume_of(mesh, 2), upper, 1e-9);
-  EXPECT_TRUE(std::is_sorted(mesh.cells.begin(), mesh.cells.end()));
-}
-
-TEST(Improve, GoodMeshIsLeftAlone) {
-  auto mesh = cube(5, 2);
-  const auto nodes = mesh.nodes;
-  mesh::improve(mesh.nodes, mesh.cells, mesh.label, 3, {});
-  EXPECT_EQ(mesh.nodes, nodes);
-}
-
-TEST(Flips, SliverOnACommonEdgeIsRemoved) {
-  // An octahedron's four equatorial nodes, one pair lifted a little: cut along the wrong diagonal there is a sliver.
-  const std::vector<Vec3> nodes{{1, 0, 0.02}, {0, 1, -0.02}, {-1, 0, 0.02}, {0, -1, -0.02}, {0, 0, 1}, {0, 0, -1}};
-  std::vector<Cell> cells{{0, 1, 2, 4}, {2, 3, 0, 4}, {1, 0, 3, 5}, {3, 2, 1, 5}, {0, 1, 2, 3}};
-  for (auto& cell : cells) {
-    TetMesh mesh;
-    mesh.nodes_mm = nodes;
-    if (cell_volume_mm3(mesh, cell) < 0) std::swap(cell[0], cell[1]);
-  }
-  std::vector<std::int32_t> label(cells.size(), 1);
-  Labelled mesh{nodes, cells, label};
-  const double volume = volume_of(mesh, 1);
-  ASSERT_LT(worst_of(mesh), 0.1);
-  EXPECT_GT(mesh::flip_bad_cells(mesh.nodes, mesh.cells, mesh.label, 2, 0.3), 0);
-  EXPECT_GT(worst_of(mesh), 0.5);
-  EXPECT_NEAR(volume_of(mesh, 1), volume, 1e-12);
 }
 
 TEST(SettleLabels, CrumbsGoToTheirNeighbour) {

@@ -52,14 +52,15 @@ struct LabelKeys {
 
 /// How `input.labels` is read. What it holds is taken as it is; what it lacks is made by our own stages.
 struct LabelSettings {
-  std::string preset = "heartgen";                                    // what values and names mean: see label_presets()
+  std::string preset = "auto";                                        // what values and names mean: see label_presets()
   std::vector<std::string> complete = {"chambers", "walls", "body"};  // groups that our stages complete
   LabelKeys ignore{};                                                 // values or names of no use; "*": all unknown
   std::map<std::string, LabelKeys> regions{};  // region name to values or names; goes before the preset
 
   template <class V>
   static void describe(V&& v, auto& s) {
-    v("preset", s.preset, "what values and names mean: a preset, or \"none\" for [labels.regions] alone");
+    v("preset", s.preset,
+      "what values and names mean: a preset, \"auto\" to have it recognised, or \"none\" for [labels.regions] alone");
     v("complete", s.complete, "groups of regions that are made from the CT where the labels lack them");
     v("ignore", s.ignore, "values or names that are of no use; \"*\": all that are unknown");
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "model/crop.hpp"
 #include "model/mathematics.hpp"
 #include "validation/criteria.hpp"
 #include "validation/distance_map.hpp"
@@ -78,39 +79,19 @@ std::vector<std::vector<std::size_t>> component_sizes(const LabelVolume& labels)
   return sizes;
 }
 
-struct Box {
-  Index3 low, high;  ///< high is past the end
-};
-
-/// Box of the voxels with one of two labels, grown by one voxel where the grid allows.
-Box box_of(const LabelVolume& labels, std::uint8_t wall, std::uint8_t cavity) {
-  Box box{labels.grid.size, {0, 0, 0}};
-  std::size_t v = 0;
-  for (std::int64_t k = 0; k < labels.grid.size[2]; ++k)
-    for (std::int64_t j = 0; j < labels.grid.size[1]; ++j)
-      for (std::int64_t i = 0; i < labels.grid.size[0]; ++i, ++v) {
-        if (labels.voxels[v] != wall && labels.voxels[v] != cavity) continue;
-        const Index3 at{i, j, k};
-        for (std::size_t a = 0; a < 3; ++a) {
-          box.low[a] = std::min(box.low[a], std::max<std::int64_t>(at[a] - 1, 0));
-          box.high[a] = std::max(box.high[a], std::min(at[a] + 2, labels.grid.size[a]));
-        }
-      }
-  return box;
-}
-
 std::vector<double> wall_thickness(const LabelVolume& labels, Region wall, Region cavity) {
-  const Box box = box_of(labels, tag(wall), tag(cavity));
-  if (box.low[0] >= box.high[0]) return {};
+  const Box box =
+      bounding_box(labels, 1, [&](std::uint8_t label) { return label == tag(wall) || label == tag(cavity); });
+  if (box.empty()) return {};
   Grid grid;
   grid.spacing_mm = labels.grid.spacing_mm;
-  for (std::size_t a = 0; a < 3; ++a) grid.size[a] = box.high[a] - box.low[a];
+  for (std::size_t a = 0; a < 3; ++a) grid.size[a] = box.end[a] - box.begin[a];
   const auto count = static_cast<std::size_t>(grid.voxel_count());
   std::vector<std::uint8_t> is_wall(count, 0), inside(count, 0), outside(count, 0);
   std::size_t v = 0;
-  for (std::int64_t k = box.low[2]; k < box.high[2]; ++k)
-    for (std::int64_t j = box.low[1]; j < box.high[1]; ++j)
-      for (std::int64_t i = box.low[0]; i < box.high[0]; ++i, ++v) {
+  for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
+    for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j)
+      for (std::int64_t i = box.begin[0]; i < box.end[0]; ++i, ++v) {
         const std::uint8_t label = labels(i, j, k);
         is_wall[v] = label == tag(wall);
         inside[v] = label == tag(cavity) || label == tag(Region::papillary);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "model/crop.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heartgen::validation {
@@ -246,25 +247,17 @@ struct VoxelBox {
   }
 };
 
-VoxelBox crop(const LabelVolume& labels, std::uint8_t label) {
-  const auto& size = labels.grid.size;
-  Index3 low = size, high{-1, -1, -1};
-  std::size_t v = 0;
-  for (std::int64_t k = 0; k < size[2]; ++k)
-    for (std::int64_t j = 0; j < size[1]; ++j)
-      for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
-        if (labels.voxels[v] != label) continue;
-        const Index3 at{i, j, k};
-        for (std::size_t a = 0; a < 3; ++a) low[a] = std::min(low[a], at[a]), high[a] = std::max(high[a], at[a]);
-      }
+VoxelBox voxels_of(const LabelVolume& labels, std::uint8_t label) {
+  const Box tight = bounding_box(labels, 0, [&](std::uint8_t value) { return value == label; });
   VoxelBox box;
-  if (high[0] < 0) return box;
-  for (std::size_t a = 0; a < 3; ++a) box.size[a] = high[a] - low[a] + 3;
+  if (tight.empty()) return box;
+  const auto& low = tight.begin;
+  for (std::size_t a = 0; a < 3; ++a) box.size[a] = tight.end[a] - low[a] + 2;
   box.inside.assign(static_cast<std::size_t>(box.size[0] * box.size[1] * box.size[2]), 0);
-  for (std::int64_t k = low[2]; k <= high[2]; ++k)
-    for (std::int64_t j = low[1]; j <= high[1]; ++j) {
+  for (std::int64_t k = low[2]; k < tight.end[2]; ++k)
+    for (std::int64_t j = low[1]; j < tight.end[1]; ++j) {
       auto* row = const_cast<std::uint8_t*>(box.row(j - low[1] + 1, k - low[2] + 1));
-      for (std::int64_t i = low[0]; i <= high[0]; ++i) row[i - low[0] + 1] = labels(i, j, k) == label;
+      for (std::int64_t i = low[0]; i < tight.end[0]; ++i) row[i - low[0] + 1] = labels(i, j, k) == label;
     }
   return box;
 }
@@ -365,7 +358,7 @@ std::map<std::int32_t, RegionTopology> region_topologies(const TetMesh& mesh, co
 
 RegionTopology region_topology(const LabelVolume& labels, std::uint8_t label) {
   RegionTopology topology;
-  const auto box = crop(labels, label);
+  const auto box = voxels_of(labels, label);
   if (box.inside.empty()) return topology;
   topology.components_ml = volumes_ml(piece_sizes(box, 1, 0), labels.grid);
   topology.cavities = static_cast<std::int64_t>(piece_sizes(box, 0, 1).size()) - 1;
@@ -375,7 +368,7 @@ RegionTopology region_topology(const LabelVolume& labels, std::uint8_t label) {
 }
 
 std::vector<double> separate_pieces_ml(const LabelVolume& labels, std::uint8_t label) {
-  const auto box = crop(labels, label);
+  const auto box = voxels_of(labels, label);
   return box.inside.empty() ? std::vector<double>{} : volumes_ml(piece_sizes(box, 1, 1), labels.grid);
 }
 

@@ -495,7 +495,12 @@ LabelVolume read_labels(const std::string& path) {
 }
 
 LabelImage read_label_image(const std::string& path) {
-  if (!path.ends_with(".nrrd") || !fs::is_regular_file(path)) return {{whole_numbers(read_any(path, false), path)}, {}};
+  if (!path.ends_with(".nrrd") || !fs::is_regular_file(path)) {
+    LabelImage image{{whole_numbers(read_any(path, false), path)}, {}};
+    if (is_nifti(path))
+      for (auto& [value, name] : read_nifti_label_names(path)) image.segments.push_back({std::move(name), value, 0});
+    return image;
+  }
   require_input_file(path);
   const auto file = read_layered_file(path);
   LabelImage image;

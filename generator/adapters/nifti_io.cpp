@@ -7,10 +7,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "generator/adapters/behind_wall.hpp"
@@ -137,7 +140,50 @@ nifti_image read_header(const std::string& path) {
   return image;
 }
 
+/// What lies between header and voxels. Empty for a file that keeps its voxels elsewhere.
+std::string read_extensions(const nifti_image& image, const std::string& path) {
+  constexpr std::int64_t header_bytes = 348, max_bytes = 1 << 20;
+  const std::int64_t wanted = std::min<std::int64_t>(image.iname_offset - header_bytes, max_bytes);
+  if (wanted <= 0) return {};
+  std::string text(static_cast<std::size_t>(wanted), ' ');
+  const std::unique_ptr<gzFile_s, decltype(&gzclose)> file(gzopen(path.c_str(), "rb"), &gzclose);
+  if (!file || gzseek(file.get(), header_bytes, SEEK_SET) != header_bytes) return {};
+  const int bytes = gzread(file.get(), text.data(), static_cast<unsigned>(wanted));
+  text.resize(static_cast<std::size_t>(std::max(bytes, 0)));
+  return text;
+}
+
+/// The text after `start` up to `end`, from `at` on, which moves behind it; nothing where one of them is missing.
+std::optional<std::string_view> between(std::string_view text, std::string_view start, std::string_view end,
+                                        std::size_t& at) {
+  const auto first = text.find(start, at);
+  if (first == std::string_view::npos) return {};
+  const auto from = first + start.size(), to = text.find(end, from);
+  if (to == std::string_view::npos) return {};
+  at = to + end.size();
+  return text.substr(from, to - from);
+}
+
 }  // namespace
+
+std::vector<std::pair<std::int32_t, std::string>> read_nifti_label_names(const std::string& path) {
+  const std::string text = read_extensions(read_header(path), path);
+  std::vector<std::pair<std::int32_t, std::string>> names;
+  std::size_t at = 0;
+  const auto table = between(text, "<LabelTable", "</LabelTable>", at);
+  if (!table) return names;
+  for (std::size_t next = 0; const auto label = between(*table, "<Label ", "</Label>", next);) {
+    std::size_t key_at = 0, name_at = 0;
+    const auto key = between(*label, "Key=\"", "\"", key_at);
+    auto name = between(*label, "<![CDATA[", "]]>", name_at);
+    if (!name) name = label->substr(std::min(label->find('>'), label->size() - 1) + 1);
+    std::int32_t value = 0;
+    if (key && std::from_chars(key->data(), key->data() + key->size(), value).ec == std::errc() && value != 0 &&
+        !name->empty())
+      names.emplace_back(value, *name);
+  }
+  return names;
+}
 
 Grid read_nifti_grid(const std::string& path) { return grid_of(read_header(path)); }
 

@@ -3,7 +3,10 @@
 /// NIfTI reading through the reference library. ITK 5.2's own reader refuses many valid files that carry only an sform
 /// matrix (its issues 2674 and 3333), and those are what common converters write.
 #pragma once
+#include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "model/volume.hpp"
 
@@ -11,6 +14,10 @@ namespace heartgen::adapters {
 
 /// The grid alone, from the header. Throws UserError for a damaged header or more than three dimensions.
 Grid read_nifti_grid(const std::string& path);
+
+/// Values and names of structures that a .nii or .nii.gz file holds in an extension of its header, a LabelTable in the
+/// XML of Caret, as TotalSegmentator writes it; none where there is none. Throws UserError as read_nifti_grid.
+std::vector<std::pair<std::int32_t, std::string>> read_nifti_label_names(const std::string& path);
 
 /// Reads a 3D scalar NIfTI-1 file (.nii, .nii.gz) with its intensity scaling applied; the frame is turned from the
 /// format's RAS to LPS. Throws UserError: damaged header, truncated data, sheared or missing orientation.

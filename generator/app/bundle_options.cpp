@@ -17,7 +17,7 @@ void add_build(Program& p) {
                   "With settings of one's own:\n"
                   "  heartgen build recipe.toml --ct patient.nii.gz --output bundle\n"
                   "Labels from elsewhere; what they lack (thin walls, body) is made from the CT:\n"
-                  "  heartgen build recipe.toml --ct ct.nii.gz --labels masks --preset totalsegmentator -o bundle\n"
+                  "  heartgen build recipe.toml --ct ct.nii.gz --labels masks -o bundle\n"
                   "Correct one stage by hand:\n"
                   "  heartgen build recipe.toml --keep-stages stages -o first\n"
                   "  (edit stages/chambers.nii.gz; in the recipe: [replace] chambers = \"stages/chambers.nii.gz\")\n"

@@ -41,7 +41,7 @@ void add_tools(Program& p) {
                   on_root(p.line, [&p] { return mesh_command(p.mesh); }));
   mesh->add_option("labels", p.mesh.labels, "label map, or a folder with one mask per structure")->required();
   mesh->add_option("output", p.mesh.output, "mesh to write (.vtu, .msh or .vtk)")->required();
-  mesh->add_option("--preset", p.mesh.preset, "what its values and names mean (default heartgen): " + preset_names());
+  mesh->add_option("--preset", p.mesh.preset, "what its values and names mean (default auto): " + preset_names());
   mesh->add_option("--names", p.mesh.label_names, "table of value and name of every structure (.csv or .json)");
   mesh->add_option("--edge", p.mesh.edge_mm, "edge length in the walls of the heart, mm");
   mesh->add_option("--layers", p.mesh.wall_layers, "cells across thin walls, 0 to 4 (default: the recipe's)");

@@ -58,32 +58,57 @@ const Region* user_word(const Dictionary& dictionary, const std::string& plain) 
   return dictionary.ignored.contains(plain) ? &nothing : nullptr;
 }
 
-Region region_of_name(const Dictionary& dictionary, const std::string& name, const std::string& where) {
-  const std::string plain = plain_name(name);
-  if (const Region* region = user_word(dictionary, plain)) return *region;
-  const auto known = dictionary.preset->names.find(plain);
-  if (known != dictionary.preset->names.end()) return known->second;
-  if (dictionary.ignore_unknown) return Region::none;
-  std::vector<std::string> names;
+/// What names and values mean, and those that nobody knows.
+struct Meanings {
+  const Dictionary& dictionary;
+  std::vector<std::string> unknown_names{};
+  std::vector<std::int32_t> unknown_values{};
+
+  Region of_name(const std::string& name) {
+    if (const Region* region = user_word(dictionary, plain_name(name))) return *region;
+    if (const auto region = region_of_name(*dictionary.preset, name)) return *region;
+    if (!dictionary.ignore_unknown) unknown_names.push_back(name);
+    return Region::none;
+  }
+  /// Names that the file or the user gives go before the preset's; the user may map or ignore all of them.
+  Region of_value(std::int32_t value, const ValueNames& names) {
+    if (const Region* region = user_word(dictionary, std::to_string(value))) return *region;
+    if (const auto name = names.find(value); name != names.end()) return of_name(name->second);
+    const auto known = dictionary.preset->values.find(value);
+    if (known != dictionary.preset->values.end()) return of_name(known->second.name);
+    if (!dictionary.ignore_unknown) unknown_values.push_back(value);
+    return Region::none;
+  }
+};
+
+/// For the first few names, the nearest that are known.
+std::string suggestions(const Dictionary& dictionary, const std::vector<std::string>& unknown) {
+  constexpr std::size_t max_suggested = 3;
+  std::vector<std::string> names, nearest;
   for (const auto& [candidate, region] : dictionary.preset->names) names.push_back(candidate);
   for (const auto& [candidate, region] : dictionary.user) names.push_back(candidate);
-  const std::string nearest = nearest_name(plain, names);
-  throw UserError(
-      fmt::format("holds the structure \"{}\", which the preset \"{}\" does not know", name, dictionary.preset->name),
-      where, nearest.empty() ? remedy : fmt::format("did you mean \"{}\"? else {}", nearest, remedy));
+  for (const auto& name : unknown)
+    if (auto known = nearest_name(plain_name(name), names); !known.empty() && nearest.size() < max_suggested)
+      nearest.push_back(fmt::format("\"{}\"", known));
+  return nearest.empty() ? remedy : fmt::format("did you mean {}? else {}", fmt::join(nearest, ", "), remedy);
 }
 
-Region region_of_value(const Dictionary& dictionary, std::int32_t value, const ValueNames& names,
-                       const std::string& where) {
-  if (const Region* region = user_word(dictionary, std::to_string(value))) return *region;
-  if (const auto name = names.find(value); name != names.end()) return region_of_name(dictionary, name->second, where);
-  const auto known = dictionary.preset->values.find(value);
-  if (known != dictionary.preset->values.end())
-    return region_of_name(dictionary, known->second.name, where);  // the user may map or ignore the preset's names
-  if (dictionary.ignore_unknown) return Region::none;
-  throw UserError(
-      fmt::format("holds the value {}, which the preset \"{}\" does not know", value, dictionary.preset->name), where,
-      remedy);
+/// All of them at once.
+void refuse_unknown(const Meanings& meanings, const std::string& where) {
+  const auto& [dictionary, names, values] = meanings;
+  const std::string preset = dictionary.preset->name == automatic_preset
+                                 ? std::string("no preset knows")
+                                 : fmt::format("the preset \"{}\" does not know", dictionary.preset->name);
+  if (!names.empty()) {
+    const bool is_one = names.size() == 1;
+    throw UserError(
+        fmt::format("holds the structure{} \"{}\", which {}", is_one ? "" : "s", fmt::join(names, "\", \""), preset),
+        where, suggestions(dictionary, names));
+  }
+  if (!values.empty())
+    throw UserError(
+        fmt::format("holds the value{} {}, which {}", values.size() == 1 ? "" : "s", fmt::join(values, ", "), preset),
+        where, remedy);
 }
 
 /// Structures that overlap: the higher rank stays.
@@ -131,27 +156,60 @@ void paint_layer(LabelVolume& labels, const Volume<std::int32_t>& layer, Meaning
   }
 }
 
+/// Names that a layer's values have: the user's, then the file's.
+ValueNames names_in_layer(const adapters::LabelImage& image, std::size_t layer, const ValueNames& given) {
+  ValueNames names = given;
+  for (const auto& segment : image.segments)
+    if (segment.layer == layer) names.emplace(segment.value, segment.name);
+  return names;
+}
+
 LabelVolume paint_layers(const adapters::LabelImage& image, const std::string& path, const Dictionary& dictionary,
                          const ValueNames& names) {
   LabelVolume labels(image.layers.front().grid);
+  Meanings meanings{dictionary};
   for (std::size_t layer = 0; layer < image.layers.size(); ++layer) {
-    ValueNames names_here = names;
-    for (const auto& segment : image.segments)
-      if (segment.layer == layer) names_here.emplace(segment.value, segment.name);
-    paint_layer(labels, image.layers[layer],
-                [&](std::int32_t value) { return region_of_value(dictionary, value, names_here, path); });
+    const auto names_here = names_in_layer(image, layer, names);
+    paint_layer(labels, image.layers[layer], [&](std::int32_t value) { return meanings.of_value(value, names_here); });
   }
+  refuse_unknown(meanings, path);
   return labels;
 }
 
+/// Of the values that occur; empty where one has none.
+std::vector<std::string> names_in(const adapters::LabelImage& image, const ValueNames& given) {
+  std::set<std::string> names;
+  for (std::size_t layer = 0; layer < image.layers.size(); ++layer) {
+    const auto names_here = names_in_layer(image, layer, given);
+    for (const auto value : values_in(image.layers[layer])) {
+      const auto name = names_here.find(value);
+      if (name == names_here.end()) return {};
+      names.insert(name->second);
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
+/// A preset that is recognised, and by what.
+struct Recognised {
+  const LabelPreset* preset = nullptr;
+  const char* by = "";
+};
+
+/// Names tell; where a value has none, the values and where they lie do. Our own numbers where nothing else fits: they
+/// may be a part of a heart.
+Recognised recognise(const adapters::LabelImage& image, const ValueNames& names) {
+  if (const auto* preset = preset_for_names(names_in(image, names))) return {preset, "its names"};
+  if (const auto preset = fitting_preset(image); !preset.empty())
+    return {&label_preset(preset), "its values and where they lie"};
+  return {&label_preset("heartgen"), "its values"};
+}
+
 /// Whatever is wrong with numbers that nobody has named: another preset may make a heart of them.
-LabelVolume labels_of_image(const std::string& path, const Dictionary& dictionary, const ValueNames& names) {
-  const adapters::LabelImage image = adapters::read_label_image(path);
-  const bool is_named = !names.empty() || !image.segments.empty();
-  if (is_named || !dictionary.user.empty() || !dictionary.ignored.empty())
-    return paint_layers(image, path, dictionary, names);
+LabelVolume labels_of_unnamed(const adapters::LabelImage& image, const std::string& path,
+                              const Dictionary& dictionary) {
   try {
-    LabelVolume labels = paint_layers(image, path, dictionary, names);
+    LabelVolume labels = paint_layers(image, path, dictionary, {});
     refuse_another_task(image, labels, *dictionary.preset, path);
     return labels;
   } catch (const UserError& error) {
@@ -159,6 +217,27 @@ LabelVolume labels_of_image(const std::string& path, const Dictionary& dictionar
     if (other.empty() || other == dictionary.preset->name) throw;
     throw UserError(error.problem, error.where, fmt::format("use --preset {}, or {}", other, error.remedy));
   }
+}
+
+Warning preset_note(const Recognised& recognised) {
+  return {"labels.preset", WarningLevel::note,
+          fmt::format("The given labels are read with the preset \"{}\", recognised by {}.", recognised.preset->name,
+                      recognised.by)};
+}
+
+GivenLabels labels_of_image(const std::string& path, Dictionary dictionary, const ValueNames& names) {
+  const adapters::LabelImage image = adapters::read_label_image(path);
+  GivenLabels given;
+  if (dictionary.preset->name == automatic_preset) {
+    const auto recognised = recognise(image, names);
+    dictionary.preset = recognised.preset;
+    given.warnings.push_back(preset_note(recognised));
+  }
+  const bool is_named = !names.empty() || !image.segments.empty();
+  given.labels = is_named || !dictionary.user.empty() || !dictionary.ignored.empty()
+                     ? paint_layers(image, path, dictionary, names)
+                     : labels_of_unnamed(image, path, dictionary);
+  return given;
 }
 
 /// "heart_atrium_left" of "heart_atrium_left.nii.gz"; empty for a file that is no image.
@@ -169,16 +248,40 @@ std::string structure_of_file(const fs::path& file) {
   return "";
 }
 
-LabelVolume labels_of_folder(const std::string& folder, const Dictionary& dictionary) {
+std::vector<fs::path> masks_in(const std::string& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.is_regular_file() && !structure_of_file(entry.path()).empty()) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   if (files.empty()) throw UserError("holds no image", folder, "give a folder with one mask per structure");
-  LabelVolume labels;
-  for (const auto& file : files) {
-    const Region region = region_of_name(dictionary, structure_of_file(file), file.string());
-    if (region == Region::none) continue;
+  return files;
+}
+
+/// Of structures that the user has not named himself.
+Recognised recognise(const std::vector<fs::path>& files, const Dictionary& dictionary) {
+  std::vector<std::string> names;
+  for (const auto& file : files)
+    if (!user_word(dictionary, plain_name(structure_of_file(file)))) names.push_back(structure_of_file(file));
+  const auto* preset = preset_for_names(names);
+  return {preset != nullptr ? preset : dictionary.preset, "the names of its files"};
+}
+
+GivenLabels labels_of_folder(const std::string& folder, Dictionary dictionary) {
+  const auto files = masks_in(folder);
+  GivenLabels given;
+  if (dictionary.preset->name == automatic_preset) {
+    const auto recognised = recognise(files, dictionary);
+    dictionary.preset = recognised.preset;
+    if (recognised.preset->name != automatic_preset) given.warnings.push_back(preset_note(recognised));
+  }
+  Meanings meanings{dictionary};
+  std::vector<std::pair<fs::path, Region>> masks;
+  for (const auto& file : files)
+    if (const Region region = meanings.of_name(structure_of_file(file)); region != Region::none)
+      masks.emplace_back(file, region);
+  refuse_unknown(meanings, folder);
+  LabelVolume& labels = given.labels;
+  for (const auto& [file, region] : masks) {
     const auto image = adapters::read_label_image(file.string());
     if (labels.voxels.empty()) labels = LabelVolume(image.layers.front().grid);
     if (!same_place(labels.grid, image.layers.front().grid))
@@ -188,7 +291,7 @@ LabelVolume labels_of_folder(const std::string& folder, const Dictionary& dictio
   if (labels.voxels.empty())
     throw UserError(fmt::format("none of its {} structures is a region", files.size()), folder,
                     "map their names in [labels.regions]");
-  return labels;
+  return given;
 }
 
 std::array<bool, 256> values_of(const LabelVolume& labels) {
@@ -258,9 +361,8 @@ bool listed(const std::vector<std::string>& list, const char* word) {
 GivenLabels read_given_labels(const InputSettings& input, const LabelSettings& settings, const Grid* grid) {
   const Dictionary dictionary = dictionary_of(settings);
   const ValueNames names = input.label_names.empty() ? ValueNames{} : read_label_names(input.label_names);
-  GivenLabels given;
-  given.labels = fs::is_directory(input.labels) ? labels_of_folder(input.labels, dictionary)
-                                                : labels_of_image(input.labels, dictionary, names);
+  GivenLabels given = fs::is_directory(input.labels) ? labels_of_folder(input.labels, dictionary)
+                                                     : labels_of_image(input.labels, dictionary, names);
   check_mapped_regions(given.labels, settings, input.labels);
   if (!any_label(given.labels))
     throw UserError("holds no region at all", input.labels, "check labels.preset and [labels.regions]");

@@ -52,11 +52,7 @@ bool is_exchanged(const LabelVolume& labels) {
 
 std::set<std::int32_t> values_in(const adapters::LabelImage& image) {
   std::set<std::int32_t> values;
-  for (const auto& layer : image.layers) {
-    std::int32_t last = 0;
-    for (const auto value : layer.voxels)
-      if (value != last && value != 0) values.insert(last = value);
-  }
+  for (const auto& layer : image.layers) values.merge(labels::values_in(layer));
   return values;
 }
 
@@ -110,6 +106,14 @@ void refuse_bright_wall(const LabelVolume& labels, const CtVolume& ct, const std
 }
 
 }  // namespace
+
+std::set<std::int32_t> values_in(const Volume<std::int32_t>& layer) {
+  std::set<std::int32_t> values;
+  std::int32_t last = 0;
+  for (const auto value : layer.voxels)
+    if (value != last && value != 0) values.insert(last = value);
+  return values;
+}
 
 bool looks_like_heart(const LabelVolume& labels) {
   constexpr double min_share = 0.4;  // of the blood's surface; valves and papillary muscle take the rest

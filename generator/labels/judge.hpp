@@ -3,6 +3,8 @@
 /// Given labels that cannot be a heart: another task's numbers, volumes of no heart, organs inside the heart, and a
 /// heart that lies where the CT has none.
 #pragma once
+#include <cstdint>
+#include <set>
 #include <string>
 
 #include "generator/adapters/itk_io.hpp"
@@ -20,6 +22,9 @@ bool looks_like_heart(const LabelVolume& labels);
 /// of the same values: it is named.
 void refuse_another_task(const adapters::LabelImage& image, const LabelVolume& labels, const LabelPreset& preset,
                          const std::string& path);
+
+/// Without 0, ascending.
+std::set<std::int32_t> values_in(const Volume<std::int32_t>& layer);
 
 /// The preset that makes a heart of the image's values; empty where none does.
 std::string fitting_preset(const adapters::LabelImage& image);

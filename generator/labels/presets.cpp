@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 
+#include "generator/labels/usual_names.hpp"
 #include "model/error.hpp"
 #include "model/text.hpp"
 
@@ -166,7 +167,11 @@ Structures total_other() {
           "liver_tumor",
           "vertebrae_body",
           "intervertebral_discs",
-          "carpal"};
+          "carpal",
+          "abdominal_cavity",  // these four: task trunk_cavities
+          "thoracic_cavity",
+          "pericardium",
+          "mediastinum"};
 }
 
 std::map<std::string, Region> total_names() {
@@ -208,15 +213,49 @@ LabelPreset mm_whs_preset() {
                        {850, {"pulmonary artery", pulmonary_artery}}});
 }
 
+LabelPreset imagechd_preset() {
+  return value_preset("imagechd", "ImageCHD, and MM-WHS in numbers from 1 to 7",
+                      {{1, {"left ventricle", lv_blood}},
+                       {2, {"right ventricle", rv_blood}},
+                       {3, {"left atrium", la_blood}},
+                       {4, {"right atrium", ra_blood}},
+                       {5, {"myocardium", lv_myocardium}},
+                       {6, {"aorta", aorta}},
+                       {7, {"pulmonary artery", pulmonary_artery}}});
+}
+
 }  // namespace
+
+std::optional<Region> region_of_name(const LabelPreset& preset, std::string_view name) {
+  const std::string plain = plain_name(name);
+  if (const auto known = preset.names.find(plain); known != preset.names.end()) return known->second;
+  if (preset.knows_words) return region_of_words(plain);
+  return {};
+}
+
+const LabelPreset* preset_for_names(const std::vector<std::string>& names) {
+  for (const auto& preset : label_presets()) {
+    bool knows_all = true, makes_region = false;
+    for (const auto& name : names) {
+      const auto region = region_of_name(preset, name);
+      knows_all &= region.has_value();
+      makes_region |= region.value_or(none) != none;
+    }
+    if (knows_all && makes_region) return &preset;
+  }
+  return nullptr;
+}
 
 const std::vector<LabelPreset>& label_presets() {
   static const std::vector<LabelPreset> presets = {
+      {automatic_preset, "whichever makes a heart of the names and values", {}, {}},
       own_preset(),
       total_preset("totalsegmentator", "TotalSegmentator 2, task total; or a folder of its files", total_v2()),
       total_preset("totalsegmentator_v1", "TotalSegmentator 1, task total", total_v1()),
       total_preset("totalsegmentator_heart", "TotalSegmentator, task heartchambers_highres", total_heart()),
       mm_whs_preset(),
+      imagechd_preset(),
+      {"names", "what people call structures: LV blood pool, left ventricular wall, RA ...", {}, {}, true},
       {"none", "no meaning but that of [labels.regions]", {}, {}}};
   return presets;
 }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "generator/parallel/gather.hpp"
-#include "generator/parallel/parallel_for.hpp"
+#include "generator/parallel/threads.hpp"
 
 namespace heartgen::mesh {
 

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "generator/mesh/border.hpp"
-#include "generator/mesh/sort_cells.hpp"
 #include "generator/mesh/level_set_at.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/open_labels.hpp"
 #include "generator/mesh/own_edges.hpp"
 #include "generator/mesh/size_field.hpp"
+#include "generator/mesh/sort_cells.hpp"
 #include "generator/mesh/surfaces.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/crop.hpp"

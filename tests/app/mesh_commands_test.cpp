@@ -128,18 +128,17 @@ TEST(MeshCommand, MeshesTheWallsAloneAndTellsOfThoseThatAreTooThin) {
   EXPECT_NE(refused.errors.find("--walls"), std::string::npos) << refused.errors;
 }
 
-TEST(MeshCommand, TakesAnotherProgramsNumbersByTheirPresetAlone) {
+TEST(MeshCommand, TakesAnotherProgramsNumbers) {
   const auto folder = testing::scratch_folder("mesh_preset");
   write_ball(folder / "ball.nii.gz");
   LabelVolume labels = adapters::read_labels((folder / "ball.nii.gz").string());
   for (auto& label : labels.voxels)  // heartchambers_highres: 1 wall, 3 left blood
     if (label == tag(Region::lv_blood)) label = 3;
   adapters::write_volume((folder / "chambers.nii.gz").string(), labels);
-  const auto refused = testing::heartgen("mesh chambers.nii.gz heart.vtu --edge 3", folder.string());
+  const auto refused = testing::heartgen("mesh chambers.nii.gz heart.vtu --edge 3 --preset heartgen", folder.string());
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.errors.find("--preset totalsegmentator_heart"), std::string::npos) << refused.errors;
-  const auto run =
-      testing::heartgen("mesh chambers.nii.gz heart.vtu --edge 3 --preset totalsegmentator_heart", folder.string());
+  const auto run = testing::heartgen("mesh chambers.nii.gz heart.vtu --edge 3", folder.string());
   ASSERT_EQ(run.exit_code, 0) << run.output << run.errors;
   std::ifstream file(folder / "heart_markers.json");
   EXPECT_TRUE(nlohmann::json::parse(file).contains("lv_blood"));

@@ -9,30 +9,12 @@
 #include <map>
 #include <set>
 
-#include "generator/mesh/surfaces.hpp"
-#include "support/diced_cubes.hpp"
+#include "mesh/labelled_cube.hpp"
 
 namespace {
 
 using namespace heartgen;
-
-struct Labelled {
-  std::vector<Vec3> nodes;
-  std::vector<Cell> cells;
-  std::vector<std::int32_t> label;
-};
-
-// n × n × n cubes of six cells each, with label 1 below `split` layers and 2 above, and a rim of label 0 around.
-Labelled cube(int n, int split) {
-  Labelled mesh;
-  mesh.nodes = heartgen::testing::cube_corners(n);
-  const auto outside = [n](int i) { return i == 0 || i == n - 1; };
-  heartgen::testing::dice_cubes(n, [&](const Cell& cell, int i, int j, int k) {
-    mesh.cells.push_back(cell);
-    mesh.label.push_back(outside(i) || outside(j) || outside(k) ? 0 : k < split ? 1 : 2);
-  });
-  return mesh;
-}
+using namespace heartgen::testing;
 
 TEST(SettleLabels, CrumbsGoToTheirNeighbour) {
   auto mesh = cube(6, 3);
@@ -41,12 +23,12 @@ TEST(SettleLabels, CrumbsGoToTheirNeighbour) {
   while (mesh.label[inside] != 1) ++inside;
   mesh.label[inside + 40] = 2;  // one cell in the lower half
   EXPECT_NE(mesh.label, whole);
-  EXPECT_EQ(mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, {}, 5), 1);
+  EXPECT_EQ(mesh::repair_labels(mesh.nodes_mm, mesh.cells, mesh.label, {}, 5), 1);
   EXPECT_EQ(mesh.label, whole);
 }
 
 // Sizes of the pieces of one label that hang together through faces, but for those of label 0 that reach the hull.
-std::vector<int> piece_sizes(const Labelled& mesh) {
+std::vector<int> piece_sizes(const LabelledCells& mesh) {
   const auto faces = mesh::cell_faces(mesh.cells);
   std::vector<std::vector<std::int32_t>> beside(mesh.cells.size());
   std::vector<bool> is_outside(mesh.cells.size()), is_seen(mesh.cells.size());
@@ -91,12 +73,12 @@ TEST(SettleLabels, NoPieceIsLeftWithAsFewCellsAsACrumb) {
     const auto before = piece_sizes(mesh);
     ASSERT_GT(std::ranges::count(before, 1), 100);
     ASSERT_GT(std::ranges::count_if(before, [](int size) { return size > 1 && size < 8; }), 20);
-    mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, {}, crumb);
+    mesh::repair_labels(mesh.nodes_mm, mesh.cells, mesh.label, {}, crumb);
     const auto after = piece_sizes(mesh);
     EXPECT_GT(*std::ranges::min_element(after), crumb);
     EXPECT_EQ(mesh.label == whole, crumb == 0);
     // Twice the same: what is left stays.
-    EXPECT_EQ(mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, {}, crumb), 0);
+    EXPECT_EQ(mesh::repair_labels(mesh.nodes_mm, mesh.cells, mesh.label, {}, crumb), 0);
   }
 }
 
@@ -112,7 +94,7 @@ TEST(SettleLabels, BodiesThatTouchInAnEdgeOrACornerArePartedOrJoined) {
     }
     mesh::LabelSet one{};
     one[1] = true;
-    EXPECT_GT(mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, std::span(&one, 1), 0), 0);
+    EXPECT_GT(mesh::repair_labels(mesh.nodes_mm, mesh.cells, mesh.label, std::span(&one, 1), 0), 0);
     std::map<std::set<std::int32_t>, int> edges;
     for (const auto& f : interface_faces(mesh))
       for (const auto dropped : f) {
@@ -126,7 +108,7 @@ TEST(SettleLabels, BodiesThatTouchInAnEdgeOrACornerArePartedOrJoined) {
 }
 
 // Nodes where the surface of a set of labels is not one closed fan of faces.
-int nodes_not_manifold(const Labelled& mesh, const mesh::LabelSet& set) {
+int nodes_not_manifold(const LabelledCells& mesh, const mesh::LabelSet& set) {
   const auto inside = [&](std::int32_t cell) {
     return cell >= 0 && set[static_cast<std::size_t>(mesh.label[static_cast<std::size_t>(cell)])];
   };
@@ -169,7 +151,7 @@ TEST(SettleLabels, SetsThatShareLabelsAllBecomeManifold) {
       if (label != 0) label = static_cast<std::int32_t>((state >> 16U) % 3);
     }
     ASSERT_GT(nodes_not_manifold(mesh, sets[0]), 100);
-    mesh::repair_labels(mesh.nodes, mesh.cells, mesh.label, sets, 0);
+    mesh::repair_labels(mesh.nodes_mm, mesh.cells, mesh.label, sets, 0);
     for (const auto& set : sets) EXPECT_EQ(nodes_not_manifold(mesh, set), 0) << seed;
     EXPECT_GT(volume_of(mesh, 1) + volume_of(mesh, 2), 20) << seed;
   }

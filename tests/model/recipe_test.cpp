@@ -151,7 +151,7 @@ TEST(Recipe, LabelsFromElsewhereTakeNumbersAndNames) {
   EXPECT_NE(text.find("labels = \"masks\""), std::string::npos);
   const Recipe back = read_recipe(recipe_file(text));
   EXPECT_EQ(recipe_section(back, "labels"), recipe_section(recipe, "labels"));
-  EXPECT_EQ(read_recipe(recipe_file("")).labels.preset, "heartgen");
+  EXPECT_EQ(read_recipe(recipe_file("")).labels.preset, "auto");
   EXPECT_EQ(read_recipe(recipe_file("[labels]\npreset = \"mm_whs\"\n[labels.regions]\naorta = [1]\n")).labels.preset,
             "mm_whs");
   EXPECT_NE(refusal("[labels.regions]\nlv_blod = [500]\n").remedy.find("lv_blood"), std::string::npos);

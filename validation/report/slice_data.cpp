@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "generator/parallel/threads.hpp"
+#include "model/crop.hpp"
 #include "model/labels.hpp"
 #include "validation/quantiles.hpp"
 #include "validation/report/page_data.hpp"
@@ -23,38 +24,15 @@ bool is_chamber_or_wall(std::uint8_t label) {
   return is_myocardium(r) || (is_blood(r) && r != Region::aorta && r != Region::pulmonary_artery);
 }
 
-/// Voxels first to last along every axis; last < first: none.
-struct Box {
-  Index3 first{1, 1, 1}, last{0, 0, 0};
-  bool empty() const { return last[0] < first[0]; }
-};
-
-template <class Counts>
-Box box_of(const LabelVolume& labels, Counts counts) {
-  Box box{labels.grid.size, {-1, -1, -1}};
-  const auto [nx, ny, nz] = labels.grid.size;
-  for (std::int64_t k = 0; k < nz; ++k)
-    for (std::int64_t j = 0; j < ny; ++j) {
-      const auto* row = &labels(0, j, k);
-      const auto first = std::find_if(row, row + nx, counts);
-      if (first == row + nx) continue;
-      const auto end = std::find_if(std::reverse_iterator(row + nx), std::reverse_iterator(row), counts).base();
-      const Index3 from{first - row, j, k}, to{end - row - 1, j, k};
-      for (std::size_t a = 0; a < 3; ++a)
-        box.first[a] = std::min(box.first[a], from[a]), box.last[a] = std::max(box.last[a], to[a]);
-    }
-  return box;
-}
-
 Box heart_box(const LabelVolume& labels) {
   constexpr double margin_mm = 15;
-  Box box = box_of(labels, is_chamber_or_wall);
-  if (box.empty()) box = box_of(labels, [](std::uint8_t label) { return label != 0; });
+  Box box = bounding_box(labels, 0, is_chamber_or_wall);
+  if (box.empty()) box = bounding_box(labels, 0, [](std::uint8_t label) { return label != 0; });
   if (box.empty()) return box;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto margin = static_cast<std::int64_t>(margin_mm / labels.grid.spacing_mm[static_cast<int>(a)]);
-    box.first[a] = std::max<std::int64_t>(box.first[a] - margin, 0);
-    box.last[a] = std::min(box.last[a] + margin, labels.grid.size[a] - 1);
+    box.begin[a] = std::max<std::int64_t>(box.begin[a] - margin, 0);
+    box.end[a] = std::min(box.end[a] + margin, labels.grid.size[a]);
   }
   return box;
 }
@@ -72,13 +50,13 @@ Sampling sampling_of(const LabelVolume& labels, const Box& box, std::int64_t max
     for (std::size_t a = 0; a < 3; ++a) {
       const double spacing = labels.grid.spacing_mm[static_cast<int>(a)];
       s.step[a] = std::max<std::int64_t>(1, std::lround(target_mm / spacing));
-      s.grid.size[a] = (box.last[a] - box.first[a]) / s.step[a] + 1;
+      s.grid.size[a] = (box.end[a] - 1 - box.begin[a]) / s.step[a] + 1;
       s.grid.spacing_mm[static_cast<int>(a)] = spacing * static_cast<double>(s.step[a]);
     }
     if (s.grid.voxel_count() <= max_voxels) break;
   }
-  s.grid.origin_mm = lps_from_index(labels.grid, {static_cast<double>(box.first[0]), static_cast<double>(box.first[1]),
-                                                  static_cast<double>(box.first[2])});
+  s.grid.origin_mm = lps_from_index(labels.grid, {static_cast<double>(box.begin[0]), static_cast<double>(box.begin[1]),
+                                                  static_cast<double>(box.begin[2])});
   return s;
 }
 
@@ -89,8 +67,8 @@ auto sampled(const Sampling& s, Value value) {
     for (auto k = begin; k < end; ++k)
       for (std::int64_t j = 0; j < s.grid.size[1]; ++j)
         for (std::int64_t i = 0; i < s.grid.size[0]; ++i) {
-          const Index3 at{s.box.first[0] + i * s.step[0], s.box.first[1] + j * s.step[1],
-                          s.box.first[2] + k * s.step[2]};
+          const Index3 at{s.box.begin[0] + i * s.step[0], s.box.begin[1] + j * s.step[1],
+                          s.box.begin[2] + k * s.step[2]};
           const Vec3 own{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
           values[static_cast<std::size_t>(s.grid.offset(i, j, k))] = value(at, own);
         }

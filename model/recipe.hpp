@@ -22,6 +22,7 @@ struct InputSettings {
   std::string landmarks;    // JSON file with seeds and valve planes; the [landmarks] section overrides it
   std::string carotid;      // separate angiogram for the carotid mesh; empty: none
   std::string size_field;   // image of wanted edge lengths (mm) for heart and torso, 0: those of [mesh]; empty: none
+  int phase = 0;            // of a CT with several, from 1; 0: it has but one
   std::string atlas_array;  // the array with the fibres in the atlas file; empty: the one with a known name
 
   template <class V>
@@ -40,6 +41,7 @@ struct InputSettings {
   template <class V>
   static void describe(V&& v, auto& s) {
     describe_files(v, s);
+    v("phase", s.phase, "which volume of a CT with several phases, from 1; 0: it has but one");
     v("atlas_array", s.atlas_array,
       "the array with the fibres in an atlas of .vtk, .vtu or .msh; empty: the one with a known name");
   }

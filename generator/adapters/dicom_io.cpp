@@ -9,8 +9,10 @@
 #include <itkMultiThreaderBase.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -32,7 +34,11 @@ namespace fs = std::filesystem;
 struct SlicePlace {
   Vec3 first_mm, along_row, along_column;
   Vec3 pixel_mm;  // z: 0
+  std::array<std::string, 5> times{};
 };
+
+/// What tells phases apart, the surest first: trigger time, temporal position, acquisition and content time, number.
+constexpr std::array time_tags = {"0018|1060", "0020|0100", "0008|0032", "0008|0033", "0020|0013"};
 
 std::vector<double> numbers_in(std::string text) {
   std::replace(text.begin(), text.end(), '\\', ' ');
@@ -54,7 +60,9 @@ SlicePlace place_of(const std::string& file, const std::string& folder) {
     throw UserError("has a slice without ImagePositionPatient or ImageOrientationPatient", folder,
                     "export the series again, as the scanner made it");
   const Vec3 pixels{io->GetSpacing(0), io->GetSpacing(1), 0};
-  return {{p[0], p[1], p[2]}, {o[0], o[1], o[2]}, {o[3], o[4], o[5]}, pixels};
+  SlicePlace place{{p[0], p[1], p[2]}, {o[0], o[1], o[2]}, {o[3], o[4], o[5]}, pixels};
+  for (std::size_t t = 0; t < time_tags.size(); ++t) io->GetValueFromTag(time_tags[t], place.times[t]);
+  return place;
 }
 
 /// How far the slices lie along the first one's normal, in rising order, and how far off that line at most.
@@ -81,6 +89,67 @@ Stack stack_of(const std::vector<SlicePlace>& slices, const std::string& folder)
   }
   std::sort(stack.height_mm.begin(), stack.height_mm.end());
   return stack;
+}
+
+/// Slices of a series by where they lie, rising; one list for each height.
+std::vector<std::vector<std::size_t>> piles_of(const std::vector<SlicePlace>& slices) {
+  constexpr double same_mm = 1e-3;
+  const Vec3 normal = normalized(cross(slices.front().along_row, slices.front().along_column));
+  std::vector<std::pair<double, std::size_t>> heights;
+  for (std::size_t s = 0; s < slices.size(); ++s) heights.emplace_back(dot(slices[s].first_mm, normal), s);
+  std::sort(heights.begin(), heights.end());
+  std::vector<std::vector<std::size_t>> piles;
+  for (std::size_t h = 0; h < heights.size(); ++h) {
+    if (h == 0 || heights[h].first - heights[h - 1].first >= same_mm) piles.emplace_back();
+    piles.back().push_back(heights[h].second);
+  }
+  return piles;
+}
+
+double number_in(const std::string& text) {
+  const auto numbers = numbers_in(text);
+  return numbers.empty() ? 0 : numbers.front();
+}
+
+/// Whether a time tag orders every pile, alike on all heights unless it only counts.
+bool orders(const std::vector<SlicePlace>& slices, const std::vector<std::vector<std::size_t>>& piles,
+            std::size_t tag) {
+  const bool counts = tag + 1 == time_tags.size();
+  std::set<double> of_all;
+  for (const auto& pile : piles) {
+    std::set<double> of_pile;
+    for (const auto s : pile)
+      if (!slices[s].times[tag].empty()) of_pile.insert(number_in(slices[s].times[tag]));
+    if (of_pile.size() != pile.size()) return false;
+    of_all.merge(of_pile);
+  }
+  return counts || of_all.size() == piles.front().size();
+}
+
+/// The slices of one phase, rising; all, as they are, where each lies alone. Piles of different heights, and slices
+/// that no time tells apart, are left for check_stack.
+std::vector<std::size_t> slices_of_phase(const std::vector<SlicePlace>& slices, int phase, const std::string& folder) {
+  std::vector<std::size_t> all(slices.size());
+  std::iota(all.begin(), all.end(), 0);
+  auto piles = piles_of(slices);
+  const std::size_t phases = piles.front().size();
+  const bool are_even = std::all_of(piles.begin(), piles.end(), [&](const auto& p) { return p.size() == phases; });
+  std::size_t tag = 0;
+  while (are_even && tag < time_tags.size() && !orders(slices, piles, tag)) ++tag;
+  if (!are_even || tag == time_tags.size()) {
+    check_phase(phase, 1, folder);
+    return all;
+  }
+  check_phase(phase, static_cast<int>(phases), folder);
+  if (phases == 1) return all;
+  std::vector<std::size_t> chosen;
+  for (auto& pile : piles) {
+    std::sort(pile.begin(), pile.end(), [&](std::size_t a, std::size_t b) {
+      return number_in(slices[a].times[tag]) < number_in(slices[b].times[tag]);
+    });
+    chosen.push_back(pile[static_cast<std::size_t>(phase) - 1]);
+  }
+  return chosen;
 }
 
 /// The library trusts the first two slices: what it would stack wrongly is refused.
@@ -124,7 +193,7 @@ void refuse_dropped_slices(const std::vector<DicomFile>& found, const std::vecto
 }
 
 /// In a process of its own.
-Volume<float> read_series(const std::vector<DicomFile>& found, const std::string& folder) {
+Volume<float> read_series(const std::vector<DicomFile>& found, const std::string& folder, int phase) {
   itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(1);
   gdcm::Trace::DebugOff();
   gdcm::Trace::WarningOff();
@@ -143,17 +212,23 @@ Volume<float> read_series(const std::vector<DicomFile>& found, const std::string
   std::vector<SlicePlace> slices;
   slices.reserve(files.size());
   for (const auto& file : files) slices.push_back(place_of(file, folder));
-  check_stack(stack_of(slices, folder), folder);
+  std::vector<std::string> chosen_files;
+  std::vector<SlicePlace> chosen;
+  for (const auto s : slices_of_phase(slices, phase, folder)) {
+    chosen_files.push_back(files[s]);
+    chosen.push_back(slices[s]);
+  }
+  check_stack(stack_of(chosen, folder), folder);
   const auto reader = itk::ImageSeriesReader<Image<float>>::New();
   reader->SetImageIO(itk::GDCMImageIO::New());
-  reader->SetFileNames(files);
+  reader->SetFileNames(chosen_files);
   reader->Update();
   return plain_volume(*reader->GetOutput());
 }
 
 }  // namespace
 
-Volume<float> read_dicom_series(const std::string& folder, bool allow_2d) {
+Volume<float> read_dicom_series(const std::string& folder, bool allow_2d, int phase) {
   const auto found = dicom_files(folder);
   double file_bytes = 0, voxels = 0;
   Index3 largest{1, 1, 0};
@@ -167,7 +242,7 @@ Volume<float> read_dicom_series(const std::string& folder, bool allow_2d) {
   const auto volume =
       read_behind_wall<Volume<float>>(folder, allowance_for(file_bytes, copies * sizeof(float) * voxels), [&] {
         try {
-          return read_series(found, folder);
+          return read_series(found, folder, phase);
         } catch (const itk::ExceptionObject& error) {
           throw UserError(fmt::format("cannot be read: {}", one_line(error.GetDescription())), folder,
                           "is it complete and undamaged?");

@@ -75,6 +75,14 @@ void check_size(const Index3& size, const std::string& path, bool allow_2d) {
         "crop or resample the volume, or give it more memory");
 }
 
+void check_phase(int phase, int phases, const std::string& path) {
+  const std::string choice = phases > 1 ? fmt::format("choose one with --phase 1 to {}", phases) : "leave --phase out";
+  const std::string volumes = phases > 1 ? fmt::format("{} volumes, as of several phases", phases) : "one volume";
+  if (phase == 0 && phases > 1) throw UserError("holds " + volumes, path, choice);
+  if (phase < 0 || phase > phases)
+    throw UserError(fmt::format("holds {}, and no phase {}", volumes, phase), path, choice);
+}
+
 void check_claim(double claimed_bytes, double file_bytes, bool is_compressed, const std::string& path) {
   constexpr double largest_compression = 1032;
   if (claimed_bytes > file_bytes * (is_compressed ? largest_compression : 1))

@@ -17,6 +17,10 @@ void check_grid(const Grid& grid, const std::string& path);
 /// single slice unless `allow_2d`.
 void check_size(const Index3& size, const std::string& path, bool allow_2d);
 
+/// `phase`: the one that the user wants, from 1; 0 where none is named. Throws UserError where several are there and
+/// none is named, and where that one is not there.
+void check_phase(int phase, int phases, const std::string& path);
+
 /// Throws UserError where a file claims more bytes than it can hold, compressed (by deflate, at most 1032-fold) or not.
 void check_claim(double claimed_bytes, double file_bytes, bool is_compressed, const std::string& path);
 

@@ -226,13 +226,14 @@ T read_by_itk(const std::string& path, const Read& read) {
   });
 }
 
-Volume<float> read_file(const std::string& path, bool allow_2d) {
+Volume<float> read_file(const std::string& path, bool allow_2d, int phase) {
   if (is_nifti(path)) {
-    const Grid grid = read_nifti_grid(path);
+    const Grid grid = read_nifti_grid(path, phase);
     check_grid(grid, path);
     check_size(grid.size, path, allow_2d);
-    return read_nifti(path);
+    return read_nifti(path, phase);
   }
+  check_phase(phase, 1, path);
   return read_by_itk<Volume<float>>(path, [&] { return read_scalar_image(path, allow_2d); });
 }
 
@@ -241,9 +242,10 @@ void check_finite(const Volume<float>& volume, const std::string& path) {
     if (!std::isfinite(value)) throw UserError("contains NaN or infinite voxels", path, "repair the image");
 }
 
-Volume<float> read_any(const std::string& path, bool allow_2d) {
+Volume<float> read_any(const std::string& path, bool allow_2d, int phase = 0) {
   if (!fs::is_directory(path)) require_input_file(path);
-  const Volume<float> volume = fs::is_directory(path) ? read_dicom_series(path, allow_2d) : read_file(path, allow_2d);
+  const Volume<float> volume =
+      fs::is_directory(path) ? read_dicom_series(path, allow_2d, phase) : read_file(path, allow_2d, phase);
   check_grid(volume.grid, path);
   check_size(volume.grid.size, path, allow_2d);
   check_finite(volume, path);
@@ -479,8 +481,8 @@ template Volume<float> with_canonical_axes(const Volume<float>&);
 template Volume<std::int16_t> with_canonical_axes(const Volume<std::int16_t>&);
 template Volume<std::uint8_t> with_canonical_axes(const Volume<std::uint8_t>&);
 
-CtVolume read_ct(const std::string& path) {
-  const Volume<float> image = read_any(path, false);
+CtVolume read_ct(const std::string& path, int phase) {
+  const Volume<float> image = read_any(path, false, phase);
   check_extent(image.grid, path);
   return converted<std::int16_t>(image);
 }

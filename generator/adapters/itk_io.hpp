@@ -15,7 +15,7 @@ namespace heartgen::adapters {
 /// Reads a CT (Hounsfield units). `path` is an image file or a folder that holds exactly one DICOM series.
 /// Throws UserError: missing or unreadable file, truncated data, not 3D, NaN, anisotropy beyond 10:1, missing
 /// slices, several series, lengths that are not in mm, or a volume too large for this machine's memory.
-CtVolume read_ct(const std::string& path);
+CtVolume read_ct(const std::string& path, int phase = 0);
 
 /// Reads an integer label map (0 to 255). Errors as read_ct.
 LabelVolume read_labels(const std::string& path);

@@ -50,21 +50,28 @@ Grid grid_of(const nifti_image& image) {
   return grid;
 }
 
+std::int64_t voxels_of_a_phase(const nifti_image& image) {
+  return static_cast<std::int64_t>(image.nx) * image.ny * std::max(image.nz, 1);
+}
+
 /// The voxels as they lie in the file, in this machine's byte order. Not by the library, which fills what a truncated
 /// file lacks with zeros and makes NaN zero, and says neither. zlib reads plain files as they are.
-std::vector<std::byte> read_voxel_bytes(const nifti_image& image, const std::string& path) {
-  std::vector<std::byte> bytes(image.nvox * static_cast<std::size_t>(image.nbyper));
+std::vector<std::byte> read_voxel_bytes(const nifti_image& image, const std::string& path, int phase) {
+  std::vector<std::byte> bytes(static_cast<std::size_t>(voxels_of_a_phase(image) * image.nbyper));
   const std::unique_ptr<gzFile_s, decltype(&gzclose)> file(gzopen(path.c_str(), "rb"), &gzclose);
-  bool complete = file && gzseek(file.get(), image.iname_offset, SEEK_SET) == image.iname_offset;
+  const auto begin = image.iname_offset + (std::max(phase, 1) - 1) * static_cast<std::int64_t>(bytes.size());
+  bool complete = file && gzseek(file.get(), begin, SEEK_SET) == begin;
   constexpr std::size_t largest_read = 1U << 30;
   for (std::size_t done = 0; complete && done < bytes.size();) {
     const auto wanted = static_cast<unsigned>(std::min(largest_read, bytes.size() - done));
     complete = gzread(file.get(), &bytes[done], wanted) == static_cast<int>(wanted);
     done += wanted;
   }
-  // Only past the last byte is the checksum compared; a lack of it is no error of reading.
+  // Only past the last byte, behind other phases, is the checksum compared; a lack of it is no error of reading.
   int state = Z_OK;
-  if (std::byte beyond{}; complete && gzread(file.get(), &beyond, 1) <= 0) gzerror(file.get(), &state);
+  std::vector<std::byte> beyond(1U << 16);
+  while (complete && gzread(file.get(), beyond.data(), static_cast<unsigned>(beyond.size())) > 0) continue;
+  if (complete) gzerror(file.get(), &state);
   if (!complete || state != Z_OK) throw UserError("is truncated or damaged", path, "copy or download it again");
   if (image.swapsize > 1 && image.byteorder != nifti_short_order())
     nifti_swap_Nbytes(bytes.size() / static_cast<std::size_t>(image.swapsize), image.swapsize, bytes.data());
@@ -80,8 +87,8 @@ void copy_scaled(const nifti_image& image, const std::vector<std::byte>& bytes, 
     to[i] = static_cast<float>(slope * static_cast<double>(from[i]) + intercept);
 }
 
-void copy_voxels(const nifti_image& image, const std::string& path, std::vector<float>& to) {
-  const auto bytes = read_voxel_bytes(image, path);
+void copy_voxels(const nifti_image& image, const std::string& path, int phase, std::vector<float>& to) {
+  const auto bytes = read_voxel_bytes(image, path, phase);
   switch (image.datatype) {
     case DT_UINT8:
       return copy_scaled<std::uint8_t>(image, bytes, to);
@@ -121,7 +128,7 @@ bool is_version_2(const std::string& path) {
 }
 
 /// What the library makes of the header, in a process of its own; what it points to stays there.
-nifti_image read_header(const std::string& path) {
+nifti_image read_header(const std::string& path, int phase = 0) {
   const auto file_bytes = static_cast<double>(std::filesystem::file_size(path));
   const auto image = read_behind_wall<nifti_image>(path, allowance_for(file_bytes, 0), [&] {
     nifti_set_debug_level(0);
@@ -132,11 +139,13 @@ nifti_image read_header(const std::string& path) {
     return *header;
   });
   const double voxels = static_cast<double>(image.nx) * image.ny * std::max(image.nz, 1);
-  if (image.ndim > 3 && static_cast<double>(image.nvox) != voxels)
-    throw UserError("has more than three dimensions", path, "extract one volume first");
-  if (static_cast<double>(image.nvox) != voxels || image.nbyper < 1 || image.iname_offset < 0)
+  const double phases = std::max(image.nt, 1);
+  if (image.ndim > 3 && static_cast<double>(image.nvox) != voxels * phases)
+    throw UserError("has more than four dimensions", path, "extract one volume first");
+  if (static_cast<double>(image.nvox) != voxels * phases || image.nbyper < 1 || image.iname_offset < 0)
     throw UserError("is no NIfTI file, or its header is damaged", path, "is it complete and undamaged?");
-  check_claim(voxels * image.nbyper, file_bytes, path.ends_with(".gz"), path);
+  check_claim(voxels * phases * image.nbyper, file_bytes, path.ends_with(".gz"), path);
+  check_phase(phase, std::max(image.nt, 1), path);
   return image;
 }
 
@@ -185,12 +194,12 @@ std::vector<std::pair<std::int32_t, std::string>> read_nifti_label_names(const s
   return names;
 }
 
-Grid read_nifti_grid(const std::string& path) { return grid_of(read_header(path)); }
+Grid read_nifti_grid(const std::string& path, int phase) { return grid_of(read_header(path, phase)); }
 
-Volume<float> read_nifti(const std::string& path) {
-  const nifti_image image = read_header(path);
+Volume<float> read_nifti(const std::string& path, int phase) {
+  const nifti_image image = read_header(path, phase);
   Volume<float> volume(grid_of(image));
-  copy_voxels(image, path, volume.voxels);
+  copy_voxels(image, path, phase, volume.voxels);
   return volume;
 }
 

@@ -12,15 +12,17 @@
 
 namespace heartgen::adapters {
 
-/// The grid alone, from the header. Throws UserError for a damaged header or more than three dimensions.
-Grid read_nifti_grid(const std::string& path);
+/// The grid alone, from the header. `phase` as in read_nifti. Throws UserError for a damaged header or another number
+/// of dimensions than three, or four with a phase.
+Grid read_nifti_grid(const std::string& path, int phase = 0);
 
 /// Values and names of structures that a .nii or .nii.gz file holds in an extension of its header, a LabelTable in the
 /// XML of Caret, as TotalSegmentator writes it; none where there is none. Throws UserError as read_nifti_grid.
 std::vector<std::pair<std::int32_t, std::string>> read_nifti_label_names(const std::string& path);
 
-/// Reads a 3D scalar NIfTI-1 file (.nii, .nii.gz) with its intensity scaling applied; the frame is turned from the
+/// Reads a 3D scalar NIfTI-1 file, or volume `phase` (from 1; 0: there is but one) of a 4D one
+/// (.nii, .nii.gz), with its intensity scaling applied; the frame is turned from the
 /// format's RAS to LPS. Throws UserError: damaged header, truncated data, sheared or missing orientation.
-Volume<float> read_nifti(const std::string& path);
+Volume<float> read_nifti(const std::string& path, int phase = 0);
 
 }  // namespace heartgen::adapters

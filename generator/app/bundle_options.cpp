@@ -25,6 +25,7 @@ void add_build(Program& p) {
                   [&p] { return build_command(p.build, p.line.comm); });
   sub->add_option("recipe", p.build.recipe, "recipe (.toml; default: every setting's default)");
   sub->add_option("--ct", p.build.ct, "CT volume or DICOM folder, instead of the recipe's");
+  sub->add_option("--phase", p.build.phase, "which volume of a CT with several phases, from 1");
   sub->add_option("--labels", p.build.labels,
                   "labels from elsewhere: an image, or a folder with one mask per structure; what they lack is made "
                   "from the CT");

@@ -149,6 +149,7 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   recipe.segmentation = default_segmentation();
   if (!command.recipe.empty()) recipe = read_recipe(command.recipe);
   if (!command.ct.empty()) recipe.input.ct = command.ct;
+  if (command.phase != 0) recipe.input.phase = command.phase;
   if (!command.labels.empty()) recipe.input.labels = command.labels;
   if (!command.preset.empty()) recipe.labels.preset = command.preset;
   if (!command.atlas.empty()) recipe.input.atlas = command.atlas;
@@ -464,7 +465,7 @@ Json json_of(const landmarks::FoundLandmarks& found) {
 int landmarks_command(const LandmarksCommand& command) {
   for (const auto& file : {command.output, command.picture})
     if (!file.empty()) check_output(file);
-  auto image = adapters::read_ct(command.ct);
+  auto image = adapters::read_ct(command.ct, command.phase);
   anatomy::close_padding(image, anatomy::find_padding(image));
   const auto result = landmarks::search(image);
   if (!command.output.empty()) write_text(command.output, write_landmarks(result.found.landmarks));

@@ -15,6 +15,7 @@
 namespace heartgen::app {
 
 struct BuildCommand {
+  int phase = 0;
   std::string recipe, ct, labels, preset, atlas, atlas_array, landmarks, keep_stages, output;
   bool no_cache = false, force = false, accept_doubtful = false, json = false, quiet = false;
 };
@@ -64,6 +65,7 @@ int mesh_command(const MeshCommand& command);
 
 struct LandmarksCommand {
   std::string ct, output, picture;  ///< files to write; empty: none
+  int phase = 0;
   bool json = false;
 };
 /// Prints what was found and how far to trust it; 3 where that can hardly be a heart.

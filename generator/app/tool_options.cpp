@@ -56,6 +56,7 @@ void add_tools(Program& p) {
       "heartgen landmarks patient.nii.gz --output landmarks.json",
       on_root(p.line, [&p] { return landmarks_command(p.landmarks); }));
   landmarks->add_option("ct", p.landmarks.ct, "CT volume or DICOM folder")->required();
+  landmarks->add_option("--phase", p.landmarks.phase, "which volume of a CT with several phases, from 1");
   landmarks->add_option("-o,--output", p.landmarks.output, "landmarks file to write, for build --landmarks");
   landmarks->add_option("--picture", p.landmarks.picture, "picture of what was found to write (.png)");
   landmarks->add_flag("--json", p.landmarks.json, "print as JSON");

@@ -230,6 +230,11 @@ std::vector<Warning> warnings_of(const RegisteredPair& hearts, const FiberResult
   return warnings;
 }
 
+Warning no_rule() {
+  return {"fibers.no_rule", WarningLevel::warning,
+          "The mesh lacks surfaces of the ventricles, so that there are no rule-based fibres."};
+}
+
 }  // namespace
 
 void check_settings(const FiberSettings& settings) {
@@ -254,6 +259,7 @@ void check_settings(const FiberSettings& settings) {
 FiberResult map_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, const Landmarks& landmarks,
                        const FiberAtlas& atlas, const FiberSettings& settings) {
   check_settings(settings);
+  HEARTGEN_EXPECTS(settings.method != "rule");
   HEARTGEN_EXPECTS(mesh.region.size() == mesh.cells.size());
   PartClock clock;
   const RegisteredPair hearts = register_pair(patient_labels, landmarks, atlas, settings);
@@ -269,8 +275,7 @@ FiberResult map_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, c
   result.wall_depth.assign(count, -1);
   set_atlas_distances(hearts, kinds, atlas_mm, result);
   NodeDirections directions{std::vector<Vec3>(count, {1, 0, 0}), std::vector<Vec3>(count, {0, 0, 1})};
-  const bool by_rule = settings.method == "rule";
-  const std::string method = by_rule ? "local_angles" : settings.method;
+  const std::string& method = settings.method;
   auto carried = carried_axes(hearts, walls, mesh.nodes_mm, atlas_mm, method);
   clock.done("carrying");
   compare_with_second(hearts, walls, mesh.nodes_mm, atlas_mm, carried.axes, method, result);
@@ -289,11 +294,6 @@ FiberResult map_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, c
   set_frames(mesh, directions, result);
   carry_to_steep_cells(hearts, mesh, result.node, carried, method, result.cell);
   result.rule_difference_deg = differences_deg(result.cell.fiber, rule);
-  if (by_rule) {
-    set_rule(rule, kinds.ventricle, directions, result);
-    set_frames(mesh, directions, result);
-    set_cells(rule, result.cell);
-  }
   clock.done("frames");
   result.part_times = std::move(clock.times);
   result.min_jacobian = hearts.registration.min_jacobian;
@@ -301,9 +301,38 @@ FiberResult map_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, c
   result.atlas_overlap = hearts.registration.wall_overlap;
   result.atlas_array = atlas.array;
   result.warnings = warnings_of(hearts, result);
-  if (rule.nodes.empty())
-    result.warnings.push_back({"fibers.no_rule", WarningLevel::warning,
-                               "The mesh lacks surfaces of the ventricles, so that there are no rule-based fibres."});
+  if (rule.nodes.empty()) result.warnings.push_back(no_rule());
+  return result;
+}
+
+FiberResult rule_fibers(const TetMesh& mesh, const LabelVolume& patient_labels, const Landmarks& landmarks,
+                        const FiberSettings& settings) {
+  check_settings(settings);
+  HEARTGEN_EXPECTS(mesh.region.size() == mesh.cells.size());
+  PartClock clock;
+  const auto patient = ventricles::ventricles_of_labels(patient_labels, landmarks, settings.depth_grid_mm);
+  refuse_mirrored_patient(patient_labels, landmarks, patient.frame);
+  clock.done("ventricles");
+  const NodeKinds kinds = node_kinds(mesh);
+  const auto rules = rule_fields(mesh, kinds, patient.frame, settings.rule);
+  clock.done("rules");
+  const std::size_t count = mesh.nodes_mm.size();
+  FiberResult result;
+  result.source.assign(count, static_cast<std::uint8_t>(FiberSource::none));
+  result.atlas_distance_mm.assign(count, -1);
+  result.wall_depth.assign(count, -1);
+  NodeDirections directions{std::vector<Vec3>(count, {1, 0, 0}), std::vector<Vec3>(count, {0, 0, 1})};
+  for (std::size_t n = 0; n < count; ++n)
+    if (kinds.ventricle[n]) {
+      directions.fiber[n] = {};
+      directions.transmural[n] = radial(patient.frame, mesh.nodes_mm[n]);
+    }
+  set_by_rule(mesh, kinds, rules, patient.frame, directions, result);
+  set_frames(mesh, directions, result);
+  set_cells(rules.ventricles, result.cell);
+  clock.done("frames");
+  result.part_times = std::move(clock.times);
+  if (rules.ventricles.nodes.empty()) result.warnings.push_back(no_rule());
   return result;
 }
 

@@ -42,8 +42,13 @@ void check_settings(const FiberSettings& settings);
 /// `patient_labels`: tags of labels.hpp with at least lv_myocardium, rv_myocardium, lv_blood and rv_blood.
 /// `myocardium`: nodes in the same frame; cells outside the ventricles get rule-based fibres.
 /// Throws UserError where a ventricle is missing in the labels, the atlas cannot be aligned or is mirrored, and for
-/// settings out of range.
+/// settings out of range. Not for the method "rule".
 FiberResult map_fibers(const TetMesh& myocardium, const LabelVolume& patient_labels, const Landmarks& landmarks,
                        const FiberAtlas& atlas, const FiberSettings& settings);
+
+/// By the rules of `settings.rule` everywhere: no atlas is aligned, and what tells of one stays empty. Throws UserError
+/// where a ventricle is missing in the labels, for a mirrored heart, and for settings out of range.
+FiberResult rule_fibers(const TetMesh& myocardium, const LabelVolume& patient_labels, const Landmarks& landmarks,
+                        const FiberSettings& settings);
 
 }  // namespace heartgen::fibers

@@ -97,20 +97,6 @@ void check_handedness(const WallSamples& lv, const std::string& name) {
                     name, "change the sign of one coordinate of its points and of its vectors");
 }
 
-/// A mirrored image looks like a heart everywhere and gets fibres of the wrong hand.
-void check_patient_handedness(const LabelVolume& labels, const Landmarks& landmarks,
-                              const ventricles::HeartFrame& frame) {
-  constexpr double clearly = -0.3;
-  const auto handedness = heart_handedness(labels, landmarks, frame);
-  if (handedness && *handedness < clearly)
-    throw UserError(
-        "the heart is mirrored: from its apex, with the left ventricle behind, the pulmonary valve lies on "
-        "the wrong side of the tricuspid valve",
-        "fibers",
-        "check the orientation in the image's header, or how the image was converted; a heart "
-        "that truly is mirrored (situs inversus) needs an atlas of its own");
-}
-
 /// Features of a few thousand voxels all over one of the patient's walls.
 std::vector<WallFeature> places_of_wall(const RegisteredPair& hearts, const ventricles::WallCoordinates& wall) {
   constexpr std::size_t step = 37;  // of the wall's voxels
@@ -149,7 +135,7 @@ void weigh_shapes(RegisteredPair& hearts) {
 /// What both hearts' walls are, and where the one lies in the other: side by side, for much of it is not threaded.
 void align(const LabelVolume& labels, const Landmarks& landmarks, const std::string& atlas_name,
            const FiberSettings& settings, RegisteredPair& hearts) {
-  check_patient_handedness(labels, landmarks, hearts.patient.frame);
+  refuse_mirrored_patient(labels, landmarks, hearts.patient.frame);
   const auto centers = angle_centers(hearts.atlas.ventricles);
   Both<WallSamples> samples;
   parallel::run_tasks(std::vector<std::function<void()>>{
@@ -206,6 +192,19 @@ WallFits add_carried(const AngleSamples& samples, const PointWalls& walls, bool 
 }
 
 }  // namespace
+
+void refuse_mirrored_patient(const LabelVolume& labels, const Landmarks& landmarks,
+                             const ventricles::HeartFrame& frame) {
+  constexpr double clearly = -0.3;
+  const auto handedness = heart_handedness(labels, landmarks, frame);
+  if (handedness && *handedness < clearly)
+    throw UserError(
+        "the heart is mirrored: from its apex, with the left ventricle behind, the pulmonary valve lies on "
+        "the wrong side of the tricuspid valve",
+        "fibers",
+        "check the orientation in the image's header, or how the image was converted; a heart "
+        "that truly is mirrored (situs inversus) needs an atlas of its own");
+}
 
 Volume<float> left_of_junction(const ventricles::Ventricles& ventricles) {
   const auto& shares = ventricles.shares;

@@ -33,6 +33,10 @@ struct RegisteredPair {
   Volume<float> left_of_junction_mm;  ///< of the patient
 };
 
+/// Throws UserError for a mirrored image: it looks like a heart everywhere, and would get fibres of the wrong hand.
+void refuse_mirrored_patient(const LabelVolume& labels, const Landmarks& landmarks,
+                             const ventricles::HeartFrame& frame);
+
 /// Distance in mm to where the walls meet, positive in the left ventricle's; between voxels, where the labels' shares
 /// have the walls' surfaces.
 Volume<float> left_of_junction(const ventricles::Ventricles& ventricles);

@@ -26,7 +26,11 @@ Notes all_notes(const Build& b) {
   if (recipe.synthetic_image)
     notes.push_back(
         {"image.synthetic", WarningLevel::note, "The image is synthetic: an analytic phantom, not a patient."});
-  if (recipe.input.atlas.empty())
+  const bool by_rule = recipe.fibers.method == "rule";
+  if (by_rule && !recipe.input.atlas.empty())
+    notes.push_back({"fibers.atlas_unused", WarningLevel::warning,
+                     "The fibres come from rules (fibers.method): the atlas that was given was not used."});
+  if (!by_rule && recipe.input.atlas.empty())
     notes.push_back(
         {"fibers.standin_atlas", WarningLevel::note,
          "The fibres come from the built-in stand-in atlas, a synthetic heart with published helix angles, not from "
@@ -65,11 +69,12 @@ Report all_metrics(const Build& b, const Meshes& meshes, const validation::Faces
   const CtVolume& ct = *b.ct;
   const LabelVolume& labels = b.labels();
   const auto bounds = bounds_of(recipe);
+  const auto figures =
+      recipe.fibers.method == "rule" ? validation::RegistrationFigures{} : registration_figures(*b.fibers);
   ReportParts parts;
   parts.push_back({[&] { return validation::check_labels(labels, needed_regions()); }});
   for (auto& part : mesh_certificate(meshes, faces, labels, recipe.mesh, bounds)) parts.push_back(std::move(part));
-  parts.push_back(
-      {[&] { return validation::check_fibers(meshes.at("myocardium"), registration_figures(*b.fibers), bounds); }});
+  parts.push_back({[&] { return validation::check_fibers(meshes.at("myocardium"), figures, bounds); }});
   parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, bounds); }});
   parts.push_back({[&] { return validation::check_orifices(meshes, labels); }});
   if (!ct.voxels.empty()) parts.push_back({[&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); }});
@@ -97,6 +102,7 @@ report::ReportInput report_input(const Build& b, const exporters::Bundle& bundle
 }
 
 std::string describe_atlas(const Recipe& recipe, const fibers::FiberResult& fibers) {
+  if (recipe.fibers.method == "rule") return "no atlas: the rules of [fibers.rule]";
   if (recipe.input.atlas.empty()) return "heartgen's built-in stand-in atlas (synthetic)";
   const std::string array = fibers.atlas_array.empty() ? "" : ", " + fibers.atlas_array;
   return fs::path(recipe.input.atlas).filename().string() + array;

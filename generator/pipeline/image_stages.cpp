@@ -94,7 +94,7 @@ bool needs_landmarks(const Build& b) {
   return (b.missing.chambers || b.missing.vessels) && !chambers_are_marked(b.recipe.landmarks);
 }
 
-Noted<CtVolume> read_ct(const Build& b) { return {b.has_ct() ? adapters::read_ct(b.recipe.input.ct) : CtVolume{}}; }
+Noted<CtVolume> read_ct(const Build& b) { return {b.has_ct() ? adapters::read_ct(b.recipe.input.ct, b.recipe.input.phase) : CtVolume{}}; }
 
 /// Without a CT they keep their own grid.
 Noted<LabelVolume> read_given(const Build& b) {
@@ -311,7 +311,7 @@ Sources with(Sources keys, const std::string& key) {
   return keys;
 }
 
-Sources sources_of_ct(const Build& b) { return {b.hash("ct")}; }
+Sources sources_of_ct(const Build& b) { return {b.hash("ct"), fmt::to_string(b.recipe.input.phase)}; }
 Sources sources_of_given(const Build& b) {
   return {b.ct.key, b.hash("labels") + b.hash("label_names"), recipe_section(b.recipe, "labels")};
 }

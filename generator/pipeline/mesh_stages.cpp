@@ -61,8 +61,11 @@ std::string mesh_section(Recipe recipe) {
 }
 
 Noted<fibers::FiberResult> make_fibers(const Build& b) {
-  auto result = fibers::map_fibers(b.meshes->at("myocardium"), *b.heart, landmarks_in_bundle(b.recipe),
-                                   read_atlas(b.recipe), b.recipe.fibers);
+  const TetMesh& walls = b.meshes->at("myocardium");
+  const auto landmarks = landmarks_in_bundle(b.recipe);
+  auto result = b.recipe.fibers.method == "rule"
+                    ? fibers::rule_fibers(walls, *b.heart, landmarks, b.recipe.fibers)
+                    : fibers::map_fibers(walls, *b.heart, landmarks, read_atlas(b.recipe), b.recipe.fibers);
   Notes notes = std::move(result.warnings);
   auto parts = std::move(result.part_times);
   return {std::move(result), std::move(notes), std::move(parts)};

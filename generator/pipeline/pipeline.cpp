@@ -35,7 +35,7 @@ void hash_inputs(Build& b) {
 
 /// What the image stages depend on, for recognising their files.
 std::string origin_of(const Build& b) {
-  std::string text = b.run.program_hash;
+  std::string text = b.run.program_hash + fmt::format("{}\n", b.recipe.input.phase);
   for (const char* input : {"ct", "labels", "label_names"}) text += b.hash(input) + "\n";
   for (const char* section : {"labels", "landmarks", "denoise", "segmentation", "chambers", "epicardium"})
     text += recipe_section(b.recipe, section);

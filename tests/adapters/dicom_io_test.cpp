@@ -40,6 +40,8 @@ struct Slice {
   int instance = 0;
   double y_mm = -40, z_mm = 0;
   std::string series = "1.2.3.4";
+  std::string trigger_ms{};
+  int more = 0;  ///< added to the values
 };
 
 /// Stored values rise along the row and with the height; 1024 lies between them and Hounsfield units.
@@ -49,12 +51,13 @@ std::string dicom(const Slice& slice) {
                            element(2, 0x10, "UI", "1.2.840.10008.1.2.1") + element(2, 0x12, "UI", "1.2.3");
   std::string pixels;
   for (int p = 0; p < rows * columns; ++p)
-    pixels += bytes(static_cast<std::uint16_t>(1024 + 10 * (p % columns) + static_cast<int>(slice.z_mm)));
+    pixels += bytes(static_cast<std::uint16_t>(1024 + slice.more + 10 * (p % columns) + static_cast<int>(slice.z_mm)));
   const auto u16 = [](int value) { return bytes(static_cast<std::uint16_t>(value)); };
   return std::string(128, '\0') + "DICM" + element(2, 0, "UL", bytes(static_cast<std::uint32_t>(meta.size()))) + meta +
          element(8, 0x16, "UI", ct) + element(8, 0x18, "UI", id) + element(8, 0x60, "CS", "CT") +
-         element(0x18, 0x50, "DS", fmt::format("{}", slice_mm)) + element(0x20, 0x0d, "UI", "1.2.3") +
-         element(0x20, 0x0e, "UI", slice.series) + element(0x20, 0x11, "IS", "1") +
+         element(0x18, 0x50, "DS", fmt::format("{}", slice_mm)) +
+         (slice.trigger_ms.empty() ? "" : element(0x18, 0x1060, "DS", slice.trigger_ms)) +
+         element(0x20, 0x0d, "UI", "1.2.3") + element(0x20, 0x0e, "UI", slice.series) + element(0x20, 0x11, "IS", "1") +
          element(0x20, 0x13, "IS", std::to_string(slice.instance)) +
          element(0x20, 0x32, "DS", fmt::format("-30\\{}\\{}", slice.y_mm, slice.z_mm)) +
          element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0") + element(0x28, 2, "US", u16(1)) +
@@ -100,10 +103,37 @@ TEST(Dicom, AMissingSliceIsNamed) {
   EXPECT_NE(refusal("missing", slices).find("5.00 mm between slices 3 and 4"), std::string::npos);
 }
 
-TEST(Dicom, TwoPhasesInOneSeriesAreRefused) {
-  auto slices = typical_series();
-  for (const auto& slice : typical_series()) slices.push_back({.instance = slice.instance + 100, .z_mm = slice.z_mm});
-  EXPECT_NE(refusal("phases", slices).find("8 of its 16 slices lie where another"), std::string::npos);
+/// Two phases, the later one's slices first; its values are higher by 500.
+std::vector<Slice> two_phases(const std::vector<std::string>& trigger_ms) {
+  std::vector<Slice> slices;
+  for (const int late : {1, 0})
+    for (const auto& slice : typical_series())
+      slices.push_back({.instance = slice.instance + (late != 0 ? 0 : 100),
+                        .z_mm = slice.z_mm,
+                        .trigger_ms = trigger_ms.empty() ? "" : trigger_ms[static_cast<std::size_t>(late)],
+                        .more = 500 * late});
+  return slices;
+}
+
+TEST(Dicom, OneOfTwoPhasesIsChosen) {
+  const auto message = refusal("phases", two_phases({"100", "420.5"}));
+  EXPECT_NE(message.find("2 volumes"), std::string::npos) << message;
+  EXPECT_NE(message.find("--phase 1 to 2"), std::string::npos) << message;
+  const auto folder = written("phases", two_phases({"100", "420.5"}));
+  const auto alone = adapters::read_ct(written("one_phase", typical_series()));
+  const auto first = adapters::read_ct(folder, 1), second = adapters::read_ct(folder, 2);
+  EXPECT_EQ(first.voxels, alone.voxels) << "by trigger time, whatever the numbers say";
+  ASSERT_EQ(second.voxels.size(), alone.voxels.size());
+  for (std::size_t v = 0; v < alone.voxels.size(); ++v) ASSERT_EQ(second.voxels[v], alone.voxels[v] + 500);
+  EXPECT_NE(testing::error_of([&] { adapters::read_ct(folder, 3); }).find("no phase 3"), std::string::npos);
+  const auto by_number = written("numbered_phases", two_phases({}));
+  EXPECT_EQ(adapters::read_ct(by_number, 2).voxels, alone.voxels) << "by number, where nothing else tells";
+}
+
+TEST(Dicom, SlicesThatLieTwiceInPlacesAreRefused) {
+  auto slices = two_phases({"100", "420.5"});
+  slices.pop_back();
+  EXPECT_NE(refusal("uneven_phases", slices).find("7 of its 15 slices lie where another"), std::string::npos);
 }
 
 TEST(Dicom, ATiltedGantryIsRefused) {

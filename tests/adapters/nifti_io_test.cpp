@@ -71,6 +71,36 @@ TEST(Nifti, LabelsOf64BitsAreRead) {
   for (std::size_t v = 0; v < count; ++v) ASSERT_EQ(labels.voxels[labels.voxels.size() - 1 - v], (count - 1 - v) % 18);
 }
 
+TEST(Nifti, OneVolumeOfSeveralIsChosen) {
+  constexpr std::size_t dimensions_at = 40;
+  const auto folder = testing::scratch_folder("nifti_4d");
+  std::string bytes = header_of_ours(folder);
+  const std::string one = bytes.substr(voxels_at);
+  put<std::int16_t>(bytes, dimensions_at, 4);
+  put<std::int16_t>(bytes, dimensions_at + 8, 3);
+  for (const std::int16_t more : {1, 2}) {
+    std::string other = one;
+    for (std::size_t at = 0; at < other.size(); at += 2)
+      put<std::int16_t>(other, at, static_cast<std::int16_t>(value_at<std::int16_t>(one, at) + more));
+    bytes += other;
+  }
+  const std::string path = (folder / "phases.nii").string();
+  testing::write_bytes(path, bytes);
+  auto expected = small_ct();
+  for (const int phase : {1, 2, 3}) {
+    const auto ct = adapters::read_ct(path, phase);
+    EXPECT_EQ(ct.grid, expected.grid);
+    EXPECT_EQ(ct.voxels, expected.voxels) << phase;
+    for (auto& value : expected.voxels) ++value;
+  }
+  for (const int phase : {0, 4, -1})
+    EXPECT_NE(testing::error_of([&] { adapters::read_ct(path, phase); }).find("--phase 1 to 3"), std::string::npos);
+  EXPECT_NE(testing::error_of([&] { adapters::read_ct((folder / "ours.nii").string(), 2); }).find("no phase 2"),
+            std::string::npos);
+  testing::write_bytes(path, bytes.substr(0, bytes.size() - 7));
+  EXPECT_NE(testing::error_of([&] { adapters::read_ct(path, 1); }), "") << "cut off in another phase";
+}
+
 TEST(Nifti, Version2IsNamed) {
   const auto path = testing::scratch_folder("nifti_2") / "ct.nii";
   std::string bytes(1000, '\0');

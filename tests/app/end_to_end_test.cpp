@@ -291,6 +291,18 @@ TEST_F(StagesByHand, ChambersFromElsewhereGetTheirWallsFromTheCt) {
   EXPECT_GE(dice(result, truth, Region::torso), 0.9);  // what the CT-made lung and bone leave
 }
 
+TEST_F(StagesByHand, RulesNeedNoAtlas) {
+  std::string recipe = quick;
+  recipe.insert(recipe.find("grid_mm = 3"), "method = \"rule\"\n");
+  std::ofstream(folder() + "/rule.toml") << recipe;
+  build("rule.toml --labels phantom/truth/labels.nii.gz --no-cache");
+  EXPECT_EQ(testing::text_of(folder() + "/by_hand/logs/build.log").find("alignment"), std::string::npos);
+  EXPECT_EQ(manifest("by_hand")["atlas"], "no atlas: the rules of [fibers.rule]");
+  rows() = Json::parse(testing::heartgen("validate by_hand --json", folder()).output)["rows"];
+  EXPECT_EQ(value("fibers", "myocardium", "nodes_without_source"), 0);
+  EXPECT_LE(value("fibers", "myocardium", "orthonormality_error_cells"), 1e-6);
+}
+
 TEST_F(StagesByHand, LabelsWithoutACt) {
   std::ofstream(folder() + "/no_ct.toml") << quick;
   const auto told = build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");

@@ -26,7 +26,9 @@ inline constexpr Number cava_stump_radii =
            Basis::reasoning, "The part of them that a model of the heart holds: a choice, not a size");
 inline constexpr Number papillary_gap_mm = number(
     "papillary_gap_mm", 12, "mm", 6, 16,
-    "Half the width of gaps in the left ventricle's blood whose muscle is papillary (chambers.papillary_closing_mm)");
+    "Half the width of gaps in the left ventricle's blood whose muscle is papillary (chambers.papillary_closing_mm)",
+    Basis::unrecorded,
+    "Not recorded; kobashi1998: papillary muscles are 7 +- 2 mm wide, hypertrophic ones more than 11");
 inline constexpr Number papillary_min_ml =
     number("papillary_min_ml", 0.1, "ml", 0.02, 0.5,
            "Smaller pieces of papillary muscle are wall (chambers.minimum_component_ml)");
@@ -110,7 +112,8 @@ inline constexpr Number artery_lead_mm =
            "Away from its valve an artery's wall gets only what is so much nearer to it than to a chamber");
 inline constexpr Number other_vessel_radius_mm =
     number("other_vessel_radius_mm", 2.5, "mm", 1.5, 4,
-           "Unlabelled blood thicker than this is a vein or an artery, no coronary");
+           "Unlabelled blood thicker than this is a vein or an artery, no coronary", Basis::paper,
+           "dodge1992: the left main coronary artery is 4.5 +- 0.5 mm wide, the others are thinner");
 inline constexpr Number vein_section_min_mm2 =
     number("vein_section_min_mm2", 80, "mm2", 40, 150, "Smaller sections beside the right atrium are no vena cava",
            Basis::unrecorded, "Not recorded; the lower one is 17 by 26 mm (PubMed 36579206), 350 mm2");
@@ -175,7 +178,9 @@ inline constexpr Number trachea_length_min_mm =
 inline constexpr Number airway_rim_mm =
     number("airway_rim_mm", 3, "mm", 1.5, 5, "Beside the wide airways nothing tells a leak from their own rim");
 inline constexpr Number airway_wall_max_mm =
-    number("airway_wall_max_mm", 2.5, "mm", 1, 4, "From the lumen to the crest of the airways' wall");
+    number("airway_wall_max_mm", 2.5, "mm", 1, 4, "From the lumen to the crest of the airways' wall", Basis::unrecorded,
+           "Not recorded; a review (MDCT of the central airways, Applied Radiology) says that tracheas have walls of 1 "
+           "to 3 mm");
 inline constexpr Number bronchus_max_radius_mm =
     number("bronchus_max_radius_mm", 3.5, "mm", 2, 6, "Of a bronchus that the wide airways may lack");
 inline constexpr Number bronchi_max_share =
@@ -307,7 +312,8 @@ inline constexpr Number base_cut_mm =
     number("base_cut_mm", 4, "mm", 2, 8, "Faces of a flat base lie this near to its top");
 inline constexpr Number apex_radius_mm = number("apex_radius_mm", 5, "mm", 3, 10, "The apex of a ventricle is so wide");
 inline constexpr Number papillary_radius_mm =
-    number("papillary_radius_mm", 6, "mm", 3, 10, "A papillary muscle's axis is taken from so much of it");
+    number("papillary_radius_mm", 6, "mm", 3, 10, "A papillary muscle's axis is taken from so much of it",
+           Basis::unrecorded, "Not recorded; kobashi1998: papillary muscles are 7 +- 2 mm wide");
 inline constexpr Number stimulus_radius_mm =
     number("stimulus_radius_mm", 4, "mm", 1, 8, "Muscle around a stimulated place, in decks for solvers");
 

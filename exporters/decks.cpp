@@ -9,6 +9,7 @@
 #include "exporters/adjacency.hpp"
 #include "exporters/formats.hpp"
 #include "model/labels.hpp"
+#include "model/priors.hpp"
 #include "model/text.hpp"
 
 namespace heartgen::exporters {
@@ -209,7 +210,7 @@ void add_mechanics(const TetMesh& mesh, double mm, Values& values) {
 Values values_of(const ExportFormat& format, const ExportTask& task) {
   const TetMesh& mesh = task.mesh;
   const Vec3 site = septal_site(mesh);
-  const double mm = unit_scale(task.unit), radius = stimulus_radius_mm * mm;
+  const double mm = unit_scale(task.unit), radius = priors::stimulus_radius_mm * mm;
   Values values = {{"mesh", task.mesh_name},
                    {"format", std::string(format.name)},
                    {"unit", task.unit},

@@ -19,8 +19,6 @@ std::vector<std::filesystem::path> write_deck(const ExportFormat& format, const 
 /// septum another node of its muscle.
 Vec3 septal_site(const TetMesh& mesh);
 
-constexpr double stimulus_radius_mm = 4;
-
 /// The stimulated site's domain in svMultiPhysics, which keeps domains as bits of a 32-bit integer (set_dmn_id_ff in
 /// its read_msh.cpp, btest in utils.cpp): a number above 31 is another domain's bit, or none. Regions have those below.
 constexpr std::int32_t stimulus_domain = 30;

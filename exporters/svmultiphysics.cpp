@@ -19,6 +19,7 @@
 #include "generator/adapters/vtk_io.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::exporters {
 namespace {
@@ -57,7 +58,7 @@ std::filesystem::path write_family(const std::filesystem::path& path, const TetM
 std::filesystem::path write_domains(const std::filesystem::path& folder, const ExportTask& task) {
   const TetMesh& mesh = task.mesh;
   const Vec3 site = septal_site(mesh);
-  const double radius = stimulus_radius_mm * unit_scale(task.unit);
+  const double radius = priors::stimulus_radius_mm * unit_scale(task.unit);
   OutFile file(folder / "domain_ids.dat");
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     const bool is_site = is_myocardium(static_cast<Region>(mesh.region[c])) &&

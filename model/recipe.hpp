@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// @file
 /// Every setting of a build, with its unit and default: the user's interface. A recipe is a TOML file; this header
-/// is the one place where its keys are declared. `describe` lists the keys of each section, so that reading, checking
-/// (unknown keys, wrong types) and writing the resolved recipe all follow from it.
+/// is the one place where its keys are declared (numbers about patients stand in tissue.hpp and priors.hpp). `describe`
+/// lists the keys of each section, so that reading, checking (unknown keys, wrong types) and writing the resolved
+/// recipe all follow from it.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -11,6 +12,8 @@
 #include <vector>
 
 #include "model/landmarks.hpp"
+#include "model/priors.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen {
 
@@ -95,7 +98,7 @@ struct ReplaceSettings {
 struct DenoiseSettings {
   int iterations = 5;       // explicit steps; 0 switches the stage off
   double time_step = 0.12;  // in units of the smallest voxel spacing squared, stable up to 1/6
-  double edge_hu = 60;      // contrast at which diffusion falls to a half
+  double edge_hu = tissue::soft_tissue_edge_hu;
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -132,13 +135,13 @@ struct ChamberSettings {
   std::string blood = "blood.above";  // side of the tree that holds the contrast-filled blood
   std::string tissue = "body.above";  // side of the tree that is not air
   std::string soft = "soft.above";    // side of the tree that holds muscle (and blood)
-  double heart_radius_mm = 85;     // the heart is looked for this far from the chambers' centre, farther if it is large
-  double vessel_length_mm = 45;    // aorta and pulmonary artery are followed this far from their valves; 0: all
+  double heart_radius_mm = priors::heart_radius_mm;
+  double vessel_length_mm = priors::vessel_length_mm;
   double close_trabeculae_mm = 0;  // closing of the blood pools; 0 keeps papillary muscles and trabeculae
-  double minimum_component_ml = 0.1;  // smaller pieces of papillary muscle are wall
-  double vein_stump_mm = 15;          // veins and appendages stay with their atrium this far from its wide part
-  double cava_stump_radii = 1.5;  // venae cavae stay with the right atrium so many of their radii from where they open
-  double papillary_closing_mm = 12;  // muscle in gaps of the LV's blood up to twice this wide (RV: once) is papillary
+  double minimum_component_ml = priors::papillary_min_ml;
+  double vein_stump_mm = priors::vein_stump_mm;
+  double cava_stump_radii = priors::cava_stump_radii;
+  double papillary_closing_mm = priors::papillary_gap_mm;
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -164,14 +167,15 @@ struct ChamberSettings {
 /// The epicardium as a minimal cut in the band around the cavities (thesis 7.2, problem 7.4, solved as the convex
 /// problem it is the steady state of).
 struct EpicardiumSettings {
-  double ventricle_band_mm = 22;  // L of thesis 7.2 for the left ventricle
-  double rv_band_mm = 10;         // L for the free wall of the right ventricle
-  double atrium_band_mm = 5;      // L for the atria
-  double muscle_hu = 0;           // the image is clipped here before its gradient is taken; 0: measured
-  double edge_hu_per_mm = 12;     // gradient at which the edge weight falls to a half
-  double minimum_lv_wall_mm = 3;
-  double minimum_rv_wall_mm = 2;
-  double minimum_atrial_wall_mm = 1.5;
+  // The bands: L of thesis 7.2.
+  double ventricle_band_mm = priors::lv_band_mm;
+  double rv_band_mm = priors::rv_band_mm;
+  double atrium_band_mm = priors::atrial_band_mm;
+  double muscle_hu = 0;  // the image is clipped here before its gradient is taken; 0: measured
+  double edge_hu_per_mm = tissue::epicardial_edge_hu_per_mm;
+  double minimum_lv_wall_mm = priors::lv_wall_min_mm;
+  double minimum_rv_wall_mm = priors::rv_wall_min_mm;
+  double minimum_atrial_wall_mm = priors::atrial_wall_min_mm;
   int max_iterations = 600;
   double duality_gap = 1e-3;  // relative; the solver stops below it
 

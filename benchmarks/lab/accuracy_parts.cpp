@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "benchmarks/lab/label_scores.hpp"
 #include "datasets/phantom/companions.hpp"
 #include "datasets/phantom/phantom.hpp"
 #include "generator/anatomy/epicardium.hpp"
@@ -18,9 +18,7 @@
 #include "generator/labels/given_labels.hpp"
 #include "generator/pde/diffusion.hpp"
 #include "generator/pde/hierarchy.hpp"
-#include "model/crop.hpp"
 #include "model/error.hpp"
-#include "validation/contour_fit.hpp"
 
 namespace heartgen::lab {
 namespace {
@@ -29,12 +27,6 @@ using Json = nlohmann::json;
 
 constexpr int refused = 3;
 
-struct Score {
-  std::string name;
-  double dice = 0;
-  double mean_mm = 0, max_mm = 0;  ///< surface distances
-};
-
 struct PartCase {
   int variant = 0;
   double noise_hu = 0;
@@ -42,41 +34,6 @@ struct PartCase {
   std::vector<std::pair<std::string, double>> shares{};  ///< of a volume, 0 to 1
   std::string refusal{};
 };
-
-double metric_of(const Report& report, Region region, const std::string& metric) {
-  for (const auto& row : report)
-    if (row.scope == region_name(tag(region)) && row.metric == metric) return row.value;
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
-/// One row per region, over the box that holds them in either map.
-std::vector<Score> scores_of(const LabelVolume& ours, const LabelVolume& truth, std::span<const Region> regions) {
-  const auto only = [&](const LabelVolume& map) {
-    LabelVolume part = map;
-    for (auto& label : part.voxels)
-      if (std::none_of(regions.begin(), regions.end(), [&](Region r) { return label == tag(r); })) label = 0;
-    return part;
-  };
-  const LabelVolume mine = only(ours), reference = only(truth);
-  LabelVolume either = mine;
-  for (std::size_t v = 0; v < either.voxels.size(); ++v) either.voxels[v] |= reference.voxels[v];
-  const auto box = bounding_box(either, 1, [](std::uint8_t label) { return label != 0; });
-  if (box.empty()) return {};
-  const Report report = validation::compare_labels(crop(mine, box), crop(reference, box));
-  std::vector<Score> scores;
-  for (const Region region : regions)
-    scores.push_back({region_name(tag(region)), metric_of(report, region, "dice"),
-                      metric_of(report, region, "surface_distance_mean"),
-                      metric_of(report, region, "surface_distance_max")});
-  return scores;
-}
-
-LabelVolume labelled(const Mask& mask, Region region) {
-  LabelVolume labels(mask.grid);
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v)
-    if (mask.voxels[v]) labels.voxels[v] = tag(region);
-  return labels;
-}
 
 /// Blood, papillary muscles, and the great vessels as far as a build follows them.
 LabelVolume true_chambers(const LabelVolume& truth) {

@@ -11,12 +11,12 @@
 #include <numbers>
 
 #include "benchmarks/lab/fiber_cases.hpp"
+#include "benchmarks/lab/fiber_errors.hpp"
 #include "generator/atlas/atlas.hpp"
 #include "generator/atlas/atlas_image.hpp"
 #include "generator/fibers/frame.hpp"
 #include "generator/fibers/high_gradient_cells.hpp"
 #include "generator/fibers/registered_pair.hpp"
-#include "generator/image/resample.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/parallel/threads.hpp"
 #include "generator/pipeline/node_walls.hpp"
@@ -31,17 +31,7 @@ using Json = nlohmann::json;
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-Vec3 center_of(const Grid& grid, std::size_t v) { return image::voxel_center(grid, static_cast<std::int64_t>(v)); }
-
 using phantom::HelixField;
-
-ventricles::AtlasImage phantom_atlas(double spacing_mm, HelixField field) {
-  const auto model = phantom::make_heart_model();
-  const auto marks = phantom::landmarks_of(model);
-  const auto labels = exact_labels(model, marks, {spacing_mm, spacing_mm, spacing_mm});
-  return ventricles::image_of_labels(
-      labels, [&](const Vec3& p) { return phantom::fiber_at(model, p, field); }, marks, spacing_mm);
-}
 
 Mat3 turned_about(const Vec3& unit, double angle_deg) {
   const double angle = angle_deg * std::numbers::pi / 180;
@@ -91,35 +81,6 @@ ventricles::AtlasImage atlas_image(const std::string& name, const std::string& f
   return atlas::image_of_atlas(atlas::make_fiber_atlas(mesh.name, mesh.points_mm, mesh.cells, mesh.fiber), spacing_mm);
 }
 
-/// Places in both walls where the phantom has fibres.
-struct KnownAxes {
-  std::vector<Vec3> points_mm, axis;
-  std::vector<std::uint8_t> left;
-  std::vector<std::size_t> source;  ///< voxel, node or cell
-};
-
-bool is_ventricular(std::int32_t region) {
-  return region == tag(Region::lv_myocardium) || region == tag(Region::rv_myocardium);
-}
-
-void add_known(const FiberCase& patient, HelixField field, const Vec3& point_mm, std::int32_t region,
-               std::size_t source, KnownAxes& known) {
-  if (!is_ventricular(region)) return;
-  const Vec3 axis = phantom::fiber_at(patient.model, point_mm, field);
-  if (norm(axis) < 0.5) return;
-  known.points_mm.push_back(point_mm);
-  known.axis.push_back(axis);
-  known.left.push_back(region == tag(Region::lv_myocardium));
-  known.source.push_back(source);
-}
-
-KnownAxes known_at_voxels(const FiberCase& patient, HelixField field) {
-  KnownAxes known;
-  for (std::size_t v = 0; v < patient.labels.voxels.size(); ++v)
-    add_known(patient, field, center_of(patient.labels.grid, v), patient.labels.voxels[v], v, known);
-  return known;
-}
-
 KnownAxes known_at_cells(const FiberCase& patient, HelixField field, const TetMesh& mesh) {
   KnownAxes known;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
@@ -141,29 +102,6 @@ KnownAxes known_at_nodes(const FiberCase& patient, HelixField field, const TetMe
     add_known(patient, field, mesh.nodes_mm[n], is_ventricular(muscle) ? muscle : region[n], n, known);
   }
   return known;
-}
-
-struct Errors {
-  std::size_t places = 0;
-  double mean_deg = 0, p95_deg = 0, cover = 0;
-};
-
-Errors errors_of(const KnownAxes& known, const std::vector<AxisTensor>& carried, bool left) {
-  std::vector<double> angles_deg;
-  std::size_t places = 0;
-  for (std::size_t n = 0; n < carried.size(); ++n) {
-    if ((known.left[n] != 0) != left) continue;
-    ++places;
-    if (trace(carried[n]) <= 0) continue;
-    const double cosine = std::abs(dot(known.axis[n], leading_axis(carried[n])));
-    angles_deg.push_back(math::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi);
-  }
-  if (angles_deg.empty()) return {places, 0, 0, 0};
-  double sum = 0;
-  for (const double a : angles_deg) sum += a;
-  std::sort(angles_deg.begin(), angles_deg.end());
-  const auto count = static_cast<double>(angles_deg.size());
-  return {places, sum / count, angles_deg[(angles_deg.size() - 1) * 95 / 100], count / static_cast<double>(places)};
 }
 
 struct RowName {

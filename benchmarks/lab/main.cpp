@@ -4,6 +4,7 @@
 #include "benchmarks/lab/bench_command.hpp"
 #include "benchmarks/lab/broken_circle_command.hpp"
 #include "benchmarks/lab/fiber_accuracy_command.hpp"
+#include "benchmarks/lab/sensitivity_command.hpp"
 #include "benchmarks/lab/study_command.hpp"
 #include "generator/command_line/command_line.hpp"
 #include "generator/command_line/heart_options.hpp"
@@ -19,6 +20,7 @@ using command_line::on_root;
 struct Lab {
   AccuracyCommand accuracy{};
   FiberAccuracyCommand fiber_accuracy{};
+  SensitivityCommand sensitivity{};
   BenchCommand bench{};
   StudyCommand study{};
   BrokenCircleCommand broken_circle{};
@@ -65,6 +67,23 @@ void add_fiber_accuracy(CommandLine& line, Lab& p) {
                   "--label-spacing 1.2, labels on a grid of their own)");
   sub->add_option("--mesh-edge", f.mesh_edge_mm, "also at nodes and cells of a mesh with this edge, mm");
   sub->add_flag("--json", f.json, "print as JSON");
+}
+
+void add_sensitivity(CommandLine& line, Lab& p) {
+  auto& s = p.sensitivity;
+  auto* sub = add_command(line, "sensitivity", "Move each number about patients on phantoms and print what it does",
+                          "heartgen-lab sensitivity --only fat_hu,valve_plate_mm --phantoms 2 --stages chambers,walls",
+                          on_root(line, [&p] { return sensitivity_command(p.sensitivity); }));
+  sub->add_option("--only", s.only, "numbers to move (default: all that are read)")->delimiter(',');
+  sub->add_option("--change", s.change, "percent, up and down (default 20)");
+  sub->add_option("--phantoms", s.phantoms, "how many: variants 0, 1, ... (default 1)");
+  sub->add_option("--stages", s.stages,
+                  "of split, chambers, walls, body, carotid, fibers; those that they need run too (default all)")
+      ->delimiter(',');
+  command_line::add_grid_options(*sub, s.size, s.spacing_mm, "of the phantoms, ");
+  sub->add_option("--noise", s.noise_hu, "standard deviation of the noise, HU (default 22)");
+  sub->add_flag("--list", s.list, "print the numbers with unit, range and source, and move none");
+  sub->add_flag("--json", s.json, "print as JSON");
 }
 
 void add_bench(CommandLine& line, Lab& p) {
@@ -119,9 +138,10 @@ int main(int argc, char** argv) {
   Lab p;
   return command_line::run_program(argc, argv, "heartgen-lab: accuracy, speed and the thesis's studies of heartgen",
                                    [&](CommandLine& line) {
-                                     line.talkative = {"bench"};
+                                     line.talkative = {"bench", "sensitivity"};
                                      add_accuracy(line, p);
                                      add_fiber_accuracy(line, p);
+                                     add_sensitivity(line, p);
                                      add_bench(line, p);
                                      add_study(line, p);
                                      add_broken_circle(line, p);

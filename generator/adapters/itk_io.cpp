@@ -32,6 +32,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 #include "model/new_file.hpp"
+#include "model/priors.hpp"
 #include "model/text.hpp"
 
 namespace heartgen::adapters {
@@ -122,11 +123,10 @@ void check_header(const itk::ImageIOBase& io, const std::string& path, bool allo
 
 /// A patient of less than a few millimetres, or of many metres, comes from lengths in another unit.
 void check_extent(const Grid& grid, const std::string& path) {
-  constexpr double min_mm = 2, max_mm = 1e4;
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis)
     largest = std::max(largest, grid.spacing_mm[axis] * static_cast<double>(grid.size[static_cast<std::size_t>(axis)]));
-  if (largest < min_mm || largest > max_mm)
+  if (largest < priors::patient_min_mm || largest > priors::patient_max_mm)
     throw UserError(fmt::format("is {:.3g} mm wide, which no patient is", largest), path,
                     "give spacing and origin in mm, not in m or um");
 }

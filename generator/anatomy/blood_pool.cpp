@@ -19,6 +19,7 @@
 #include "generator/image/morphology.hpp"
 #include "model/error.hpp"
 #include "model/quantile.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 namespace {
@@ -66,7 +67,7 @@ double muscle_shell_hu(const Volume<float>& image, const Landmarks& landmarks, d
       for (std::int64_t i = 0; i < size[0]; ++i) add(i, j, k);
   auto& values = away.size() < min_voxels ? all : away;
   if (values.size() < min_voxels) return soft_hu;
-  return std::min(image::modal_intensity(values, image::muscle_window_hu), threshold);
+  return std::min(image::modal_intensity(values, tissue::muscle_window_hu), threshold);
 }
 
 /// Grey value of the nearest deep blood (the mean of the deep blood around, so without partial volumes) as a byte of

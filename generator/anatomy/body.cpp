@@ -19,41 +19,16 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr int air_hu = -300;                   // darker voxels count when a gap's mean grey value is taken
-constexpr double open_air_hu = -930;           // mean below: air of the room; lungs are denser
-constexpr double table_mm = 4;                 // the table touches the skin in pieces thinner than twice this
-constexpr double lung_share = 0.1;             // of the largest air space: smaller ones are airways, stomach and bowel
-constexpr double lung_vessel_mm = 2.5;         // radius of vessels that stay inside the lung
-constexpr float bone_hu = 160;                 // spongy bone; contrast-filled vessels are taken out first
-constexpr float cortical_hu = 300;             // every bone has a shell brighter than this
-constexpr std::int64_t cortical_share = 10;    // one voxel in so many, at least
 constexpr double smoothing_mm = 1;             // against noise, for bone
-constexpr double vessel_fraction = 0.75;       // of the median grey value of the left ventricle's blood
-constexpr double contact_mm = 2;               // vessels and bone that touch over less than twice this are apart
 constexpr double evenness_smoothing_mm = 1.5;  // of the image before its evenness is measured
-constexpr double even_hu_per_mm = 16;          // contrast-filled blood, spleen and kidneys vary less; spongy bone more
-constexpr double even_depth_mm = 2;            // off the surface, where every organ varies
-constexpr double even_rim_mm = 2.5;            // beyond that depth the rest of the organ follows
-constexpr float even_rim_hu = 80;              // but nothing so much brighter than the organ, which is bone beside it
-constexpr double min_even_ml = 2;              // smaller even spots are marrow
-constexpr double vessel_correlation = 0.6;     // of grey value and depth; tubes of blood have more, bones less
-constexpr double brightest_vessel = 1.15;      // of the heart's blood
-constexpr float deepest_mm = 12;               // beyond that depth makes no difference
-constexpr float brightest_bone_hu = 1800;      // more is metal, or undiluted contrast in a vein
-constexpr double dense_rim_mm = 2.5;           // around it
-constexpr float canal_hu = 100;                // the cord and the fluid around it are darker, most marrow is brighter
-constexpr double spongy_mm = 3;                // marrow in gaps of the bone up to twice this wide belongs to it
-constexpr double trim_depth_mm = 2.2;          // the blurred outside of bone is no thicker
-constexpr double bright_reach_mm = 2.5;        // the shell that it belongs to is this near
-constexpr float soft_hu = 60;                  // of muscle beside bone
-constexpr float trim_fraction = 0.45;          // of the shell's height above that: a little less, for the marrow's sake
-constexpr double min_bone_ml = 0.5;
-constexpr double lung_look_mm = 4;  // beyond the blurred rim of a piece
+constexpr float clip_mm = 12;                  // beyond, depth makes no difference
 
 bool inside(const Grid& grid, const Vec3& position_mm) {
   const Vec3 index = index_from_lps(grid, position_mm);
@@ -75,7 +50,7 @@ std::vector<Gap> measure_gaps(const image::Components& gaps, const CtVolume& ct)
       for (std::int64_t i = 0; i < nx; ++i, ++v) {
         Gap& gap = result[static_cast<std::size_t>(gaps.label.voxels[v])];
         gap.reaches_side |= i == 0 || j == 0 || i == nx - 1 || j == ny - 1;
-        if (ct.voxels[v] > air_hu) continue;
+        if (ct.voxels[v] > tissue::air_in_gap_max_hu) continue;
         ++gap.air_voxels;
         gap.grey_sum += ct.voxels[v];
       }
@@ -85,15 +60,15 @@ std::vector<Gap> measure_gaps(const image::Components& gaps, const CtVolume& ct)
 /// The patient: the largest piece of tissue with all that it encloses. Air that reaches the side of the image is
 /// outside when it is as empty as air, and lung cut by the field of view otherwise.
 Mask find_body(const CtVolume& ct, const Mask& tissue) {
-  const Mask core = image::largest_component(image::erode(tissue, table_mm));
-  const Mask solid = image::intersect(image::dilate(core, table_mm + 0.5), tissue);
+  const Mask core = image::largest_component(image::erode(tissue, priors::table_contact_mm));
+  const Mask solid = image::intersect(image::dilate(core, priors::table_contact_mm + 0.5), tissue);
   const image::Components gaps =
       image::connected_components(image::mask_where(ct.grid, [&](std::size_t v) { return solid.voxels[v] == 0; }));
   const auto gap = measure_gaps(gaps, ct);
   return image::mask_where(ct.grid, [&](std::size_t v) {
     const Gap& g = gap[static_cast<std::size_t>(gaps.label.voxels[v])];
     if (solid.voxels[v] || !g.reaches_side) return true;
-    return g.air_voxels > 0 && g.grey_sum / static_cast<double>(g.air_voxels) > open_air_hu;
+    return g.air_voxels > 0 && g.grey_sum / static_cast<double>(g.air_voxels) > tissue::room_air_max_hu;
   });
 }
 
@@ -101,12 +76,12 @@ Mask find_lung(const Mask& body, const Mask& tissue) {
   const image::Components air = image::connected_components(image::subtract(body, tissue));
   if (air.voxel_count.size() < 2) return Mask(body.grid);
   const auto largest = *std::max_element(air.voxel_count.begin() + 1, air.voxel_count.end());
-  const auto least = static_cast<std::int64_t>(lung_share * static_cast<double>(largest));
+  const auto least = static_cast<std::int64_t>(priors::lung_share * static_cast<double>(largest));
   const Mask lung = image::mask_where(body.grid, [&](std::size_t v) {
     const auto label = static_cast<std::size_t>(air.label.voxels[v]);
     return label > 0 && air.voxel_count[label] >= least;
   });
-  return image::intersect(image::fill_holes(image::close(lung, lung_vessel_mm)), body);
+  return image::intersect(image::fill_holes(image::close(lung, priors::lung_vessel_radius_mm)), body);
 }
 
 constexpr double no_value = 1e6;
@@ -126,11 +101,11 @@ double median_under(const Volume<float>& image, const LabelVolume& labels, Regio
 Mask find_vessels(const Volume<float>& image, const LabelVolume& chambers) {
   const Mask heart = image::mask_where(
       chambers.grid, [&](std::size_t v) { return is_blood(static_cast<Region>(chambers.voxels[v])); });
-  const double min_hu = vessel_fraction * median_under(image, chambers, Region::lv_blood);
+  const double min_hu = tissue::great_vessel_share * median_under(image, chambers, Region::lv_blood);
   const Mask bright =
       image::mask_where(chambers.grid, [&](std::size_t v) { return static_cast<double>(image.voxels[v]) > min_hu; });
-  const image::Components wide =
-      image::connected_components(image::unite(image::erode(image::unite(bright, heart), contact_mm), heart));
+  const image::Components wide = image::connected_components(
+      image::unite(image::erode(image::unite(bright, heart), priors::vessel_bone_contact_mm), heart));
   std::vector<std::uint8_t> joined(wide.voxel_count.size(), 0);
   for (std::size_t v = 0; v < heart.voxels.size(); ++v)
     if (heart.voxels[v]) joined[static_cast<std::size_t>(wide.label.voxels[v])] = 1;
@@ -138,7 +113,7 @@ Mask find_vessels(const Volume<float>& image, const LabelVolume& chambers) {
     const auto label = static_cast<std::size_t>(wide.label.voxels[v]);
     return label > 0 && joined[label] != 0;
   });
-  return image::dilate(core, contact_mm + 1);
+  return image::dilate(core, priors::vessel_bone_contact_mm + 1);
 }
 
 /// Voxels of `bright` deep inside it where the image hardly varies.
@@ -146,21 +121,21 @@ Mask find_even(const CtVolume& ct, const Mask& bright) {
   Volume<float> image(ct.grid);
   std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
   image = image::gaussian(image, evenness_smoothing_mm);
-  const Mask deep = image::erode(bright, even_depth_mm);
+  const Mask deep = image::erode(bright, priors::organ_rim_mm);
   Mask even(ct.grid);
   const auto& size = ct.grid.size;
   parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t k = begin; k < end; ++k)
       for (std::int64_t j = 0; j < size[1]; ++j)
         for (std::int64_t i = 0; i < size[0]; ++i)
-          even(i, j, k) = deep(i, j, k) && norm(gradient(image, {i, j, k})) < even_hu_per_mm;
+          even(i, j, k) = deep(i, j, k) && norm(gradient(image, {i, j, k})) < tissue::even_organ_slope_max_hu_per_mm;
   });
-  return image::count(even) > 0 ? image::open(even, even_depth_mm) : even;
+  return image::count(even) > 0 ? image::open(even, priors::organ_rim_mm) : even;
 }
 
 /// Organs and vessels full of contrast among the bright voxels: even in grey value, where spongy bone seldom is.
 Mask find_even_organs(const CtVolume& ct, const Volume<float>& image, const Mask& bright) {
-  const auto least = static_cast<std::int64_t>(min_even_ml * 1000 / ct.grid.voxel_volume_mm3());
+  const auto least = static_cast<std::int64_t>(priors::even_organ_min_ml * 1000 / ct.grid.voxel_volume_mm3());
   const image::Components cores =
       image::connected_components(image::drop_small_components(find_even(ct, bright), least));
   const std::size_t most = std::min<std::size_t>(cores.voxel_count.size(), 256);  // far more than a body has
@@ -172,11 +147,12 @@ Mask find_even_organs(const CtVolume& ct, const Volume<float>& image, const Mask
     core.voxels[v] = static_cast<std::uint8_t>(label);
     greys[label].push_back(image.voxels[v]);
   }
+  const auto spread = static_cast<float>(tissue::organ_rim_spread_hu);
   std::vector<float> limit(most, 0);
-  for (std::size_t label = 1; label < most; ++label) limit[label] = median(std::move(greys[label])) + even_rim_hu;
+  for (std::size_t label = 1; label < most; ++label) limit[label] = median(std::move(greys[label])) + spread;
   const Vec3& spacing = ct.grid.spacing_mm;
-  const LabelVolume organ =
-      image::nearest_label(core, even_depth_mm + even_rim_mm + std::max({spacing.x, spacing.y, spacing.z}) / 2);
+  const LabelVolume organ = image::nearest_label(
+      core, priors::organ_rim_mm + priors::organ_outer_rim_mm + std::max({spacing.x, spacing.y, spacing.z}) / 2);
   return image::mask_where(ct.grid, [&](std::size_t v) {
     return bright.voxels[v] && organ.voxels[v] && image.voxels[v] < limit[organ.voxels[v]];
   });
@@ -187,11 +163,12 @@ Mask with_cortex(const Mask& pieces, const Volume<float>& image, std::int64_t mi
   const image::Components parts = image::connected_components(pieces);
   std::vector<std::int64_t> cortical(parts.voxel_count.size(), 0);
   for (std::size_t v = 0; v < pieces.voxels.size(); ++v)
-    if (image.voxels[v] > cortical_hu) ++cortical[static_cast<std::size_t>(parts.label.voxels[v])];
+    if (image.voxels[v] > tissue::cortical_bone_min_hu) ++cortical[static_cast<std::size_t>(parts.label.voxels[v])];
   return image::mask_where(pieces.grid, [&](std::size_t v) {
     const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
     return label > 0 && parts.voxel_count[label] >= min_voxels &&
-           cortical_share * cortical[label] >= parts.voxel_count[label];
+           tissue::bone_per_cortex * static_cast<double>(cortical[label]) >=
+               static_cast<double>(parts.voxel_count[label]);
   });
 }
 
@@ -214,7 +191,7 @@ struct DepthTrend {
 Mask find_filled_vessels(const Mask& pieces, const Volume<float>& image, double blood_hu) {
   const Mask outside = image::mask_where(pieces.grid, [&](std::size_t v) { return pieces.voxels[v] == 0; });
   if (image::count(outside) == 0) return Mask(pieces.grid);
-  const auto depth = image::distance_to(outside, deepest_mm);
+  const auto depth = image::distance_to(outside, clip_mm);
   const image::Components parts = image::connected_components(pieces);
   std::vector<DepthTrend> trend(parts.voxel_count.size());
   std::vector<std::int64_t> brighter(parts.voxel_count.size(), 0);
@@ -223,20 +200,20 @@ Mask find_filled_vessels(const Mask& pieces, const Volume<float>& image, double 
     const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
     const auto grey = static_cast<double>(image.voxels[v]);
     trend[label].add(grey, static_cast<double>(depth.voxels[v]));
-    brighter[label] += grey > brightest_vessel * blood_hu;
+    brighter[label] += grey > tissue::filled_vessel_max_share * blood_hu;
   }
   return image::mask_where(pieces.grid, [&](std::size_t v) {
     const auto label = static_cast<std::size_t>(parts.label.voxels[v]);
-    return label > 0 && trend[label].correlation() > vessel_correlation &&
+    return label > 0 && trend[label].correlation() > tissue::filled_vessel_correlation &&
            10 * brighter[label] < parts.voxel_count[label];
   });
 }
 
-/// Brightest value in the box of bright_reach_mm around a voxel, among the voxels of `bone`.
+/// Brightest value in the box of priors::cortex_distance_mm around a voxel, among the voxels of `bone`.
 float brightest_near(const Volume<float>& image, const Mask& bone, const Index3& at) {
   Index3 low{}, high{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto reach = std::lround(bright_reach_mm / image.grid.spacing_mm[static_cast<int>(axis)]);
+    const auto reach = std::lround(priors::cortex_distance_mm / image.grid.spacing_mm[static_cast<int>(axis)]);
     low[axis] = std::max<std::int64_t>(at[axis] - reach, 0);
     high[axis] = std::min<std::int64_t>(at[axis] + reach + 1, image.grid.size[axis]);
   }
@@ -250,7 +227,9 @@ float brightest_near(const Volume<float>& image, const Mask& bone, const Index3&
 
 /// Bone without the blurred outside of its shell: it ends near half height between soft tissue and cortical bone.
 Mask trimmed(const Mask& bone, const Volume<float>& image) {
-  const Mask deep = image::erode(bone, trim_depth_mm);
+  const auto soft = static_cast<float>(tissue::muscle_beside_bone_hu);
+  const auto share = static_cast<float>(tissue::bone_edge_share);
+  const Mask deep = image::erode(bone, priors::bone_skin_mm);
   Mask result = bone;
   const auto& size = bone.grid.size;
   parallel::parallel_for(0, size[2], [&](std::int64_t begin, std::int64_t end) {
@@ -258,7 +237,7 @@ Mask trimmed(const Mask& bone, const Volume<float>& image) {
       for (std::int64_t j = 0; j < size[1]; ++j)
         for (std::int64_t i = 0; i < size[0]; ++i) {
           if (!bone(i, j, k) || deep(i, j, k)) continue;
-          const float least = soft_hu + trim_fraction * (brightest_near(image, bone, {i, j, k}) - soft_hu);
+          const float least = soft + share * (brightest_near(image, bone, {i, j, k}) - soft);
           if (image(i, j, k) < least) result(i, j, k) = 0;
         }
   });
@@ -272,7 +251,8 @@ Mask drop_pieces_in_lung(const Mask& bone, const Mask& lung) {
   const auto& size = bone.grid.size;
   Index3 look{};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    look[axis] = std::max<std::int64_t>(std::lround(lung_look_mm / bone.grid.spacing_mm[static_cast<int>(axis)]), 1);
+    look[axis] = std::max<std::int64_t>(
+        std::lround(priors::lung_beside_bone_mm / bone.grid.spacing_mm[static_cast<int>(axis)]), 1);
   std::size_t v = 0;
   for (std::int64_t k = 0; k < size[2]; ++k)
     for (std::int64_t j = 0; j < size[1]; ++j)
@@ -315,22 +295,22 @@ Mask find_bone(const CtVolume& ct, const BodyResult& body, const LabelVolume& ch
   std::copy(ct.voxels.begin(), ct.voxels.end(), image.voxels.begin());
   image = image::gaussian(image, smoothing_mm);
   const Mask bright = image::mask_where(ct.grid, [&](std::size_t v) {
-    return image.voxels[v] > bone_hu && body.body.voxels[v] && chambers.voxels[v] == 0;
+    return image.voxels[v] > tissue::spongy_bone_min_hu && body.body.voxels[v] && chambers.voxels[v] == 0;
   });
   const Mask vessels = find_vessels(image, chambers);
-  Mask dense = image::mask_where(ct.grid, [&](std::size_t v) { return image.voxels[v] > brightest_bone_hu; });
-  if (image::count(dense) > 0) dense = image::dilate(dense, dense_rim_mm);
+  Mask dense = image::mask_where(ct.grid, [&](std::size_t v) { return image.voxels[v] > tissue::bone_max_hu; });
+  if (image::count(dense) > 0) dense = image::dilate(dense, priors::metal_rim_mm);
   const Mask rest = image::mask_where(ct.grid, [&](std::size_t v) {
     return bright.voxels[v] && !vessels.voxels[v] && !body.lung.voxels[v] && !dense.voxels[v];
   });
   const Mask organs = image::unite(find_even_organs(ct, image, rest), dense);
-  const auto least = static_cast<std::int64_t>(min_bone_ml * 1000 / ct.grid.voxel_volume_mm3());
+  const auto least = static_cast<std::int64_t>(priors::bone_piece_min_ml * 1000 / ct.grid.voxel_volume_mm3());
   const Mask shell = with_cortex(image::subtract(rest, organs), image, least);
   // Even marrow counts as an organ, too, but its shell closes around it.
-  const Mask solid = image::subtract(image::close(shell, spongy_mm), organs);
+  const Mask solid = image::subtract(image::close(shell, priors::marrow_gap_mm), organs);
   const Mask filled = image::fill_holes_in_slices(solid);
-  const Mask wall =
-      image::mask_where(ct.grid, [&](std::size_t v) { return solid.voxels[v] || image.voxels[v] > canal_hu; });
+  const Mask wall = image::mask_where(
+      ct.grid, [&](std::size_t v) { return solid.voxels[v] || image.voxels[v] > tissue::spinal_canal_max_hu; });
   const Mask canal = find_spinal_canal(filled, wall, middle_of_heart_mm(chambers));
   const Mask bone = image::unite(image::subtract(filled, canal), solid);
   const Mask kept = image::mask_where(ct.grid, [&](std::size_t v) {
@@ -352,9 +332,9 @@ BodyResult segment_body(const CtVolume& ct, const pde::SegmentationTree& tree, c
   BodyResult result;
   result.body = find_body(ct, tissue);
   if (image::count(result.body) == 0)
-    throw UserError(
-        fmt::format("\"{}\" holds no piece of tissue thicker than {:.0f} mm", settings.tissue, 2 * table_mm),
-        "chambers.tissue", "name the side of the tree that is not air");
+    throw UserError(fmt::format("\"{}\" holds no piece of tissue thicker than {:.0f} mm", settings.tissue,
+                                2 * priors::table_contact_mm),
+                    "chambers.tissue", "name the side of the tree that is not air");
   result.lung = find_lung(result.body, tissue);
   result.bone = find_bone(ct, result, chambers);
   const Mask free = image::mask_where(ct.grid, [&](std::size_t v) {

@@ -8,14 +8,12 @@
 #include "generator/image/components.hpp"
 #include "generator/image/morphology.hpp"
 #include "model/crop.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double max_bronchi = 0.4;  // of the wide airways' volume; a lung's visible bronchi hold some 0.1 to 0.2
-constexpr double widest_mm = 3.5;    // radius of a bronchus that the wide airways may lack
-constexpr double speckle_mm = 1.5;   // gaps in a leak, whose voxels are dark by noise alone
-constexpr double near_mm = 3;        // beside the wide airways nothing tells a leak from their own rim
+constexpr double closing_mm = 1.5;  // gaps in a leak, whose voxels are dark by noise alone
 constexpr double margin_mm = 8;
 
 /// Voxels of the pieces of `mask` that hold a voxel of `start`.
@@ -31,14 +29,15 @@ Mask joined_to(const Mask& start, const Mask& mask) {
 }
 
 bool leaks(const Mask& tree_all, const Mask& airways_all) {
-  if (static_cast<double>(image::count(tree_all)) > (1 + max_bronchi) * static_cast<double>(image::count(airways_all)))
+  if (static_cast<double>(image::count(tree_all)) >
+      (1 + priors::bronchi_max_share) * static_cast<double>(image::count(airways_all)))
     return true;
   const Vec3& spacing = tree_all.grid.spacing_mm;
   const auto margin = static_cast<std::int64_t>(std::ceil(margin_mm / std::min({spacing.x, spacing.y, spacing.z})));
   const Box box = bounding_box(tree_all, margin, [](std::uint8_t v) { return v != 0; });
   const Mask tree = crop(tree_all, box), airways = crop(airways_all, box);
-  const Mask wide = image::erode(image::close(tree, speckle_mm), widest_mm);
-  return image::count(image::subtract(wide, image::dilate(airways, near_mm))) > 0;
+  const Mask wide = image::erode(image::close(tree, closing_mm), priors::bronchus_max_radius_mm);
+  return image::count(image::subtract(wide, image::dilate(airways, priors::airway_rim_mm))) > 0;
 }
 
 }  // namespace

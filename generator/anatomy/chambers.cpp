@@ -20,6 +20,8 @@
 #include "generator/image/morphology.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
+#include "model/priors.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 namespace {
@@ -150,11 +152,11 @@ void fill_mixing_clouds(LabelVolume& labels, const BloodPool& pool) {
 /// Where muscle is wall, however narrow the notch of the cavity that it lies in: what a right ventricle's wall has at
 /// least (and a voxel) around fat and air, and the plate of the valves around atria and arteries.
 Mask never_papillary(const LabelVolume& labels, const CtVolume& ct, double muscle_hu) {
-  constexpr double typical_fat_hu = -100, min_wall_mm = 2, valve_plate_mm = 3, streak_ml = 5, smoothing_mm = 0.8;
+  constexpr double min_wall_mm = 2, streak_ml = 5, smoothing_mm = 0.8;
   const Volume<float> smooth = image::gaussian(as_float(ct), smoothing_mm);
   Mask fat(labels.grid), others(labels.grid);
   for (std::size_t v = 0; v < fat.voxels.size(); ++v) {
-    fat.voxels[v] = 2 * static_cast<double>(smooth.voxels[v]) < typical_fat_hu + muscle_hu;
+    fat.voxels[v] = 2 * static_cast<double>(smooth.voxels[v]) < tissue::fat_hu + muscle_hu;
     const auto label = labels.voxels[v];
     others.voxels[v] = label != 0 && label != tag(Region::lv_blood) && label != tag(Region::rv_blood);
   }
@@ -163,7 +165,7 @@ Mask never_papillary(const LabelVolume& labels, const CtVolume& ct, double muscl
   const auto streak = static_cast<std::int64_t>(streak_ml * 1000 / labels.grid.voxel_volume_mm3());
   fat = image::drop_small_components(fat, streak);  // streaks in the blood are dark too
   return image::unite(image::dilate(fat, std::max(min_wall_mm, voxel_mm)),
-                      image::dilate(others, std::max(valve_plate_mm, voxel_mm)));
+                      image::dilate(others, std::max<double>(priors::valve_plate_mm, voxel_mm)));
 }
 
 /// Muscle inside a ventricle's cavity: what a closing of its blood adds, without the free wall, fat, air, thin seams

@@ -7,28 +7,20 @@
 #include "generator/image/components.hpp"
 #include "generator/image/convex_slices.hpp"
 #include "generator/image/distance.hpp"
+#include "model/priors.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
-namespace {
-
-constexpr float lung_limit_hu = -500;     // half-way between lung (-850) and soft tissue
-constexpr float emptiest_lung_hu = -960;  // air of the room, stomach and bowel is mostly below
-constexpr double min_lung_ml = 20;        // smaller pieces are airways and bowel gas
-constexpr double min_lung_mm2 = 1000;     // per slice: the hull of less says little
-constexpr double blurred_pleura_mm = 3;   // between the dark of the lung and the hull around it
-constexpr double chest_wall_mm = 60;      // no thicker
-
-}  // namespace
 
 Mask lungs_of(const Volume<float>& smooth_hu) {
   Mask dark(smooth_hu.grid);
   std::transform(smooth_hu.voxels.begin(), smooth_hu.voxels.end(), dark.voxels.begin(),
-                 [](float hu) { return static_cast<std::uint8_t>(hu < lung_limit_hu); });
+                 [](float hu) { return static_cast<std::uint8_t>(hu < tissue::lung_max_hu); });
   const image::Components pieces = image::connected_components(dark);
   std::vector<std::int64_t> empty(pieces.voxel_count.size(), 0);
   for (std::size_t v = 0; v < dark.voxels.size(); ++v)
-    if (smooth_hu.voxels[v] <= emptiest_lung_hu) ++empty[static_cast<std::size_t>(pieces.label.voxels[v])];
-  const auto least = static_cast<std::int64_t>(min_lung_ml * 1000 / smooth_hu.grid.voxel_volume_mm3());
+    if (smooth_hu.voxels[v] <= tissue::lung_min_hu) ++empty[static_cast<std::size_t>(pieces.label.voxels[v])];
+  const auto least = static_cast<std::int64_t>(priors::lung_min_ml * 1000 / smooth_hu.grid.voxel_volume_mm3());
   for (std::size_t v = 0; v < dark.voxels.size(); ++v) {
     const auto label = static_cast<std::size_t>(pieces.label.voxels[v]);
     dark.voxels[v] = label > 0 && pieces.voxel_count[label] >= least && 2 * empty[label] < pieces.voxel_count[label];
@@ -38,12 +30,12 @@ Mask lungs_of(const Volume<float>& smooth_hu) {
 
 Mask beyond_the_lungs(const Mask& lung) {
   enum : std::uint8_t { outside = 0, lung_side = 1, heart_side = 2 };
-  const Mask hull = image::convex_slices(lung, min_lung_mm2);
+  const Mask hull = image::convex_slices(lung, priors::lung_section_min_mm2);
   const Volume<float> to_lung = image::distance_to(lung);
   LabelVolume sides(lung.grid);
   for (std::size_t v = 0; v < sides.voxels.size(); ++v)
-    if (hull.voxels[v]) sides.voxels[v] = to_lung.voxels[v] <= blurred_pleura_mm ? lung_side : heart_side;
-  const LabelVolume nearest = image::nearest_label(sides, chest_wall_mm);
+    if (hull.voxels[v]) sides.voxels[v] = to_lung.voxels[v] <= priors::pleura_mm ? lung_side : heart_side;
+  const LabelVolume nearest = image::nearest_label(sides, priors::chest_wall_max_mm);
   Mask beyond(lung.grid);
   const auto slice = static_cast<std::size_t>(lung.grid.size[0] * lung.grid.size[1]);
   for (std::size_t first = 0; first < sides.voxels.size(); first += slice) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "model/error.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 
@@ -16,16 +17,15 @@ Volume<float> as_float(const CtVolume& ct) {
 }
 
 void require_hounsfield(const CtVolume& ct, const std::string& where) {
-  constexpr int darker_than_water_hu = -30;  // fat begins here
   constexpr double min_share = 1e-3;
   const auto dark =
-      std::count_if(ct.voxels.begin(), ct.voxels.end(), [](std::int16_t hu) { return hu < darker_than_water_hu; });
+      std::count_if(ct.voxels.begin(), ct.voxels.end(), [](std::int16_t hu) { return hu < tissue::fat_max_hu; });
   if (static_cast<double>(dark) >= min_share * static_cast<double>(ct.voxels.size())) return;
   if (ct.voxels.empty()) return;
   const auto [least, most] = std::minmax_element(ct.voxels.begin(), ct.voxels.end());
-  constexpr int soft_tissue_hu = 200;  // an image of nothing brighter may well be in Hounsfield units,
-  const bool like_labels = *least == 0 && *most <= soft_tissue_hu;  // but not with a background of 0
-  if (*most <= soft_tissue_hu && !like_labels) return;
+  const bool is_soft = *most <= tissue::bare_soft_tissue_max_hu;  // it may well be in Hounsfield units,
+  const bool like_labels = is_soft && *least == 0;                // but not with a background of 0
+  if (is_soft && !like_labels) return;
   throw UserError(fmt::format("grey values from {} to {} are no Hounsfield units: neither fat nor air is darker than 0",
                               *least, *most),
                   where,

@@ -16,24 +16,16 @@
 #include "generator/image/morphology.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
 constexpr double smoothing_mm = 2;
 constexpr double seed_ball_mm = 8;
-constexpr double tolerance_hu = 30;  // around the seed's grey value
-constexpr double maximum_ml = 2800;  // more is a leak into other soft tissue
 constexpr double smallest_opening_mm = 3, largest_opening_mm = 12;
-constexpr double vessel_mm = 3;  // vessels inside the liver are brighter; they belong to it
-
-constexpr float min_soft_hu = 20, max_soft_hu = 220;  // of a liver, with or without contrast
-constexpr double under_lung_mm = 80;                  // the thickest place is looked for this far below the lung
-constexpr double min_depth_mm = 18;                   // from there to the liver's surface
-constexpr double min_ml = 50;                         // of the part that the field of view holds
-constexpr double min_right_share = 0.7;               // of the liver lies right of the lungs' middle
-constexpr double max_spread_hu = 25;                  // between the quartiles of the smoothed image
 
 Volume<float> smoothed(const CtVolume& ct) {
   Volume<float> image(ct.grid);
@@ -43,10 +35,11 @@ Volume<float> smoothed(const CtVolume& ct) {
 
 /// Empty where no opening parts the liver from its neighbours.
 Mask grow(const Volume<float>& image, const Mask& free, const Index3& seed, double grey) {
+  const double spread = tissue::liver_spread_hu;
   Mask alike(free.grid);
   for (std::size_t v = 0; v < alike.voxels.size(); ++v)
-    alike.voxels[v] = free.voxels[v] && std::abs(static_cast<double>(image.voxels[v]) - grey) < tolerance_hu;
-  const auto limit = static_cast<std::int64_t>(maximum_ml * 1000 / free.grid.voxel_volume_mm3());
+    alike.voxels[v] = free.voxels[v] && std::abs(static_cast<double>(image.voxels[v]) - grey) < spread;
+  const auto limit = static_cast<std::int64_t>(priors::liver_max_ml * 1000 / free.grid.voxel_volume_mm3());
   constexpr double step_mm = 3;
   constexpr int steps = 1 + static_cast<int>((largest_opening_mm - smallest_opening_mm) / step_mm);
   for (int step = 0; step < steps; ++step) {
@@ -54,7 +47,8 @@ Mask grow(const Volume<float>& image, const Mask& free, const Index3& seed, doub
     const Mask core = image::component_of(image::erode(alike, radius), seed, limit);
     if (image::count(core) == 0) continue;
     const Mask liver = image::intersect(image::dilate(core, radius), alike);
-    if (image::count(liver) <= limit) return image::intersect(image::fill_holes(image::close(liver, vessel_mm)), free);
+    if (image::count(liver) <= limit)
+      return image::intersect(image::fill_holes(image::close(liver, priors::liver_vessel_radius_mm)), free);
   }
   return Mask(free.grid);
 }
@@ -73,7 +67,7 @@ std::int64_t middle_of(const Mask& lung) {
 /// Soft tissue straight below the right lung.
 Mask soft_under_lung(const Mask& lung, const Mask& soft, std::int64_t middle) {
   const auto& grid = lung.grid;
-  const auto reach = static_cast<std::int64_t>(under_lung_mm / grid.spacing_mm.z);
+  const auto reach = static_cast<std::int64_t>(priors::liver_under_lung_mm / grid.spacing_mm.z);
   Mask under(grid);
   for (std::int64_t j = 0; j < grid.size[1]; ++j)
     for (std::int64_t i = 0; i < middle; ++i) {
@@ -91,7 +85,7 @@ std::optional<Index3> deepest(const Mask& soft, const Mask& among) {
   Mask outside(soft.grid);
   for (std::size_t v = 0; v < outside.voxels.size(); ++v) outside.voxels[v] = !soft.voxels[v];
   const auto depth = image::distance_to(outside, 1e3F);
-  float most = min_depth_mm;
+  auto most = static_cast<float>(priors::liver_depth_min_mm);
   std::optional<Index3> place;
   const auto& size = soft.grid.size;
   for (std::int64_t k = 0; k < size[2]; ++k)
@@ -123,10 +117,10 @@ bool is_plausible(const Mask& liver, const Volume<float>& image, std::int64_t mi
     greys.push_back(image.voxels[v]);
     right += static_cast<std::int64_t>(v) % liver.grid.size[0] < middle;
   }
-  if (static_cast<double>(greys.size()) * liver.grid.voxel_volume_mm3() < min_ml * 1000) return false;
+  if (static_cast<double>(greys.size()) * liver.grid.voxel_volume_mm3() < priors::liver_min_ml * 1000) return false;
   const auto quartile = [&](std::size_t n) { return static_cast<double>(ranked(greys, n * greys.size() / 4)); };
-  return static_cast<double>(right) > min_right_share * static_cast<double>(greys.size()) &&
-         quartile(3) - quartile(1) < max_spread_hu;
+  return static_cast<double>(right) > priors::liver_right_share_min * static_cast<double>(greys.size()) &&
+         quartile(3) - quartile(1) < tissue::liver_quartiles_max_hu;
 }
 
 }  // namespace
@@ -149,7 +143,7 @@ Mask find_liver(const CtVolume& ct_all, const Mask& lung_all, const Mask& free_a
   const Volume<float> image = smoothed(ct);
   Mask soft(ct.grid);
   for (std::size_t v = 0; v < soft.voxels.size(); ++v)
-    soft.voxels[v] = free.voxels[v] && image.voxels[v] > min_soft_hu && image.voxels[v] < max_soft_hu;
+    soft.voxels[v] = free.voxels[v] && image.voxels[v] > tissue::liver_min_hu && image.voxels[v] < tissue::liver_max_hu;
   const std::int64_t middle = middle_of(lung_all) - box.begin[0];
   const auto seed = deepest(soft, soft_under_lung(lung, soft, middle));
   if (!seed) return Mask(ct_all.grid);

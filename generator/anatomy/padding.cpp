@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 
+#include "model/priors.hpp"
 #include "model/sort_unique.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr int max_hu = -500;
-constexpr double thickness_mm = 12;  // the body is looked for where tissue is thicker than 8
 constexpr std::int64_t min_voxels = 2;
 
 /// An image as columns along one axis: column (i, j) of the plane, slice by slice.
@@ -40,7 +40,7 @@ Columns columns_along(const Grid& grid, std::size_t axis) {
 }
 
 std::int64_t reach_of(double spacing_mm) {
-  return std::max<std::int64_t>(min_voxels, std::llround(thickness_mm / spacing_mm));
+  return std::max<std::int64_t>(min_voxels, std::llround(priors::padding_wall_mm / spacing_mm));
 }
 
 /// Where an image holds nothing but one value.
@@ -78,8 +78,7 @@ std::vector<std::int64_t> rim_of(const Columns& columns, const std::vector<std::
 struct Border {
   std::int64_t lung = 0, even = 0, all = 0;
   void add(int hu, int value) {
-    constexpr int min_lung_hu = -980, max_lung_hu = -600;
-    lung += hu > min_lung_hu && hu < max_lung_hu && hu != value;
+    lung += hu > tissue::padding_lung_min_hu && hu < tissue::padding_lung_max_hu && hu != value;
     even += hu == value;
     ++all;
   }
@@ -172,14 +171,15 @@ Padding find_padding(const CtVolume& ct) {
   if (ct.voxels.empty()) return {};
   for (const auto value : {ct.voxels.front(), ct.voxels.back()})
     for (const std::size_t axis : {2U, 1U, 0U}) {
-      if (value > max_hu) continue;
+      if (value > tissue::padding_max_hu) continue;
       if (auto padding = padding_along(ct, axis, value); padding.is_there()) return padding;
     }
   return {};
 }
 
 void close_padding(CtVolume& ct, const Padding& padding) {
-  constexpr std::int16_t fat_hu = -80, darkest_hu = -1024;
+  const auto fat_hu = static_cast<std::int16_t>(tissue::padding_fat_hu);
+  const auto darkest_hu = static_cast<std::int16_t>(tissue::scale_floor_hu);
   for (auto& hu : ct.voxels) hu = std::max(hu, darkest_hu);
   fill_wall_and_lids(ct, padding, fat_hu);
 }

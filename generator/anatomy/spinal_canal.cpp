@@ -10,17 +10,15 @@
 #include "generator/image/morphology.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double place_mm = 2;            // between the places tried for the canal's line
-constexpr double min_radius_mm = 3;       // the canal is wider; the ways of veins and nerves out of it are narrower
-constexpr double reach_mm = 20;           // bone around the canal is nearer to its line
+constexpr double lattice_mm = 2;          // between the places tried for the canal's line
 constexpr int directions = 16;            // in which bone is looked for, in the slice
 constexpr int min_hits = 10;              // met in so many of them; fewer only between two arches
 constexpr int blocked = -3 * directions;  // bone on the way: an end plate outweighs the marrow on one side of it
-constexpr double min_length_mm = 50;      // two vertebrae, so that one level between them is passed
 
 /// Every so many voxels a place.
 struct Lattice {
@@ -28,7 +26,7 @@ struct Lattice {
 
   explicit Lattice(const Grid& grid) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double voxels = place_mm / grid.spacing_mm[static_cast<int>(axis)];
+      const double voxels = lattice_mm / grid.spacing_mm[static_cast<int>(axis)];
       stride[axis] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::ceil(voxels)), 1, grid.size[axis]);
       size[axis] = grid.size[axis] / stride[axis];
     }
@@ -49,7 +47,7 @@ std::vector<Ray> make_rays(const Vec3& spacing_mm) {
   for (int d = 0; d < directions; ++d) {
     const double angle = 2 * std::numbers::pi * d / directions;
     const double x = math::cos(angle) / spacing_mm.x, y = math::sin(angle) / spacing_mm.y;
-    for (int n = 1; n * step_mm <= reach_mm; ++n)
+    for (int n = 1; n * step_mm <= priors::spinal_canal_to_bone_max_mm; ++n)
       rays[static_cast<std::size_t>(d)].push_back({std::lround(n * step_mm * x), std::lround(n * step_mm * y)});
   }
   return rays;
@@ -113,7 +111,8 @@ std::vector<Index3> best_way(const Lattice& lattice, const Grid& grid, std::vect
   return way;
 }
 
-/// Marks what of `core` in slice k hangs together with the voxels near `centre`, within reach_mm of it.
+/// Marks what of `core` in slice k hangs together with the voxels near `centre`, within
+/// priors::spinal_canal_to_bone_max_mm of it.
 void mark_section(const Mask& core, const Index3& centre, std::int64_t k, Mask& canal) {
   const auto distance_mm = [&](const std::array<std::int64_t, 2>& p) {
     return math::hypot(static_cast<double>(p[0] - centre[0]) * core.grid.spacing_mm.x,
@@ -126,15 +125,16 @@ void mark_section(const Mask& core, const Index3& centre, std::int64_t k, Mask& 
     canal(p[0], p[1], k) = 1;
     front.push_back(p);
   };
-  const auto near_i = static_cast<std::int64_t>(min_radius_mm / core.grid.spacing_mm.x);
-  const auto near_j = static_cast<std::int64_t>(min_radius_mm / core.grid.spacing_mm.y);
+  const auto near_i = static_cast<std::int64_t>(priors::spinal_canal_radius_min_mm / core.grid.spacing_mm.x);
+  const auto near_j = static_cast<std::int64_t>(priors::spinal_canal_radius_min_mm / core.grid.spacing_mm.y);
   for (std::int64_t j = centre[1] - near_j; j <= centre[1] + near_j; ++j)
-    for (std::int64_t i = centre[0] - near_i; i <= centre[0] + near_i; ++i) visit({i, j}, min_radius_mm);
+    for (std::int64_t i = centre[0] - near_i; i <= centre[0] + near_i; ++i)
+      visit({i, j}, priors::spinal_canal_radius_min_mm);
   while (!front.empty()) {
     const auto [i, j] = front.back();
     front.pop_back();
     for (const auto& p : {std::array{i - 1, j}, std::array{i + 1, j}, std::array{i, j - 1}, std::array{i, j + 1}})
-      visit(p, reach_mm);
+      visit(p, priors::spinal_canal_to_bone_max_mm);
   }
 }
 
@@ -144,12 +144,12 @@ Mask find_spinal_canal(const Mask& filled, const Mask& wall, double front_mm) {
   const Grid& grid = filled.grid;
   Mask free(grid);
   for (std::size_t v = 0; v < free.voxels.size(); ++v) free.voxels[v] = wall.voxels[v] == 0;
-  const Mask wide = image::erode(free, min_radius_mm);
+  const Mask wide = image::erode(free, priors::spinal_canal_radius_min_mm);
   const Lattice lattice(grid);
   const auto way = best_way(lattice, grid, score_places(lattice, wide, wall, front_mm));
   Mask canal(grid);
   const double length_mm = static_cast<double>(way.size()) * static_cast<double>(lattice.stride[2]) * grid.spacing_mm.z;
-  if (length_mm < min_length_mm) return canal;
+  if (length_mm < priors::spinal_canal_length_min_mm) return canal;
   const Mask core = image::intersect(filled, wide);
   for (const Index3& place : way) {
     const std::int64_t first = place[2] - lattice.stride[2] / 2;
@@ -157,7 +157,7 @@ Mask find_spinal_canal(const Mask& filled, const Mask& wall, double front_mm) {
       mark_section(core, place, k, canal);
   }
   const double rim_mm = std::max(grid.spacing_mm.x, grid.spacing_mm.y);
-  return image::intersect(image::dilate(canal, min_radius_mm + rim_mm), filled);
+  return image::intersect(image::dilate(canal, priors::spinal_canal_radius_min_mm + rim_mm), filled);
 }
 
 }  // namespace heartgen::anatomy

@@ -19,20 +19,17 @@
 #include "model/crop.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr int lumen_hu = -700;           // a trachea's disc is darker than this
-constexpr double volume_limit_ml = 120;  // trachea and bronchi have 30 to 80: more is a leak into the lungs
-constexpr double min_chain_mm = 20;      // a trachea runs at least this far through the slices
-constexpr double min_contrast_hu = 50, min_lung_ml = 1;  // lung beside the airways, if there is any
-constexpr double lumen_radius_mm = 3;                    // ball inside the lumen whose median is its grey value
-constexpr double curvature_mm = 1;                       // tubes in the lung with radii below twice this are left to it
-constexpr double smoothing_mm = 1;                       // of the image that outlines where the contour is looked for
-constexpr double margin_mm = 4;                          // around that outline
-constexpr double wall_reach_mm = 2.5;                    // from the lumen to the crest of its wall
+constexpr double lumen_ball_mm = 3;  // ball inside the lumen whose median is its grey value
+constexpr double curvature_mm = 1;   // tubes in the lung with radii below twice this are left to it
+constexpr double smoothing_mm = 1;   // of the image that outlines where the contour is looked for
+constexpr double margin_mm = 4;      // around that outline
 
 struct Disc {
   double x = 0, y = 0;  // centroid, mm along the grid's axes
@@ -47,7 +44,8 @@ std::vector<Disc> discs_in_slice(const CtVolume& ct, std::int64_t k) {
   plane.size[2] = 1;
   Mask air(plane);
   for (std::int64_t v = 0; v < nx * ny; ++v)
-    air.voxels[static_cast<std::size_t>(v)] = ct.voxels[static_cast<std::size_t>(k * nx * ny + v)] < lumen_hu;
+    air.voxels[static_cast<std::size_t>(v)] =
+        ct.voxels[static_cast<std::size_t>(k * nx * ny + v)] < tissue::airway_max_hu;
   const image::Components pieces = image::connected_components(air);
   struct Moments {
     double n = 0, x = 0, y = 0, r2 = 0;
@@ -66,10 +64,10 @@ std::vector<Disc> discs_in_slice(const CtVolume& ct, std::int64_t k) {
   for (std::size_t label = 1; label < moments.size(); ++label) {
     const Moments& m = moments[label];
     const double area = m.n * plane.spacing_mm.x * plane.spacing_mm.y;
-    if (m.border || area < 60 || area > 900) continue;
+    if (m.border || area < priors::trachea_section_min_mm2 || area > priors::trachea_section_max_mm2) continue;
     const double x = m.x / m.n, y = m.y / m.n;
     const double spread = m.r2 / m.n - x * x - y * y;  // area / 2 pi for a disc, more for other shapes
-    if (area < 0.75 * 2 * std::numbers::pi * spread) continue;
+    if (area < priors::trachea_roundness_min * 2 * std::numbers::pi * spread) continue;
     discs.push_back({x, y, area, k});
   }
   return discs;
@@ -84,15 +82,14 @@ std::int64_t slice_above_heart(const CtVolume& ct, const Landmarks& landmarks) {
 
 /// The longest chain of discs through neighbouring slices, its middle as a voxel. Chains start from the top.
 std::optional<Index3> find_trachea(const CtVolume& ct, std::int64_t lowest_slice) {
-  constexpr double drift_mm = 5;
   std::vector<std::vector<Disc>> chains;
   for (std::int64_t k = ct.grid.size[2] - 1; k >= lowest_slice; --k)
     for (const Disc& disc : discs_in_slice(ct, k)) {
       const auto follows = [&](const std::vector<Disc>& chain) {
         const Disc& last = chain.back();
         const double ratio = disc.area_mm2 / last.area_mm2;
-        return last.slice == k + 1 && math::hypot(disc.x - last.x, disc.y - last.y) < drift_mm && ratio > 0.5 &&
-               ratio < 2;
+        return last.slice == k + 1 && math::hypot(disc.x - last.x, disc.y - last.y) < priors::trachea_drift_max_mm &&
+               ratio > 1 / priors::trachea_section_change_max && ratio < priors::trachea_section_change_max;
       };
       const auto chain = std::find_if(chains.begin(), chains.end(), follows);
       if (chain != chains.end())
@@ -102,7 +99,8 @@ std::optional<Index3> find_trachea(const CtVolume& ct, std::int64_t lowest_slice
     }
   const auto longest =
       std::max_element(chains.begin(), chains.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  if (longest == chains.end() || static_cast<double>(longest->size()) * ct.grid.spacing_mm.z < min_chain_mm)
+  if (longest == chains.end() ||
+      static_cast<double>(longest->size()) * ct.grid.spacing_mm.z < priors::trachea_length_min_mm)
     return std::nullopt;
   const Disc& middle = (*longest)[longest->size() / 2];
   return Index3{std::lround(middle.x / ct.grid.spacing_mm.x), std::lround(middle.y / ct.grid.spacing_mm.y),
@@ -112,7 +110,7 @@ std::optional<Index3> find_trachea(const CtVolume& ct, std::int64_t lowest_slice
 std::optional<Index3> start_voxel(const CtVolume& ct, const Landmarks& landmarks) {
   const auto seed = landmarks.seeds_mm.find("trachea");
   if (seed == landmarks.seeds_mm.end()) return find_trachea(ct, slice_above_heart(ct, landmarks));
-  const Mask air = image::mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < lumen_hu; });
+  const Mask air = image::mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < tissue::airway_max_hu; });
   return seed_in_mask(ct, air, "trachea", seed->second, 3, "air");
 }
 
@@ -131,9 +129,10 @@ std::optional<double> lung_grey(const CtVolume& ct, const Mask& air, const Volum
   const Vec3& spacing = ct.grid.spacing_mm;
   const Mask deep = image::erode(air, 1.5 * std::max({spacing.x, spacing.y, spacing.z}));
   const Mask brighter = image::mask_where(ct.grid, [&](std::size_t v) {
-    return deep.voxels[v] && static_cast<double>(smooth.voxels[v]) > lumen_grey + min_contrast_hu;
+    return deep.voxels[v] && static_cast<double>(smooth.voxels[v]) > lumen_grey + tissue::airway_contrast_min_hu;
   });
-  if (static_cast<double>(image::count(brighter)) * ct.grid.voxel_volume_mm3() < min_lung_ml * 1000)
+  if (static_cast<double>(image::count(brighter)) * ct.grid.voxel_volume_mm3() <
+      priors::lung_beside_airways_min_ml * 1000)
     return std::nullopt;
   return median_of(ct, brighter);
 }
@@ -174,7 +173,8 @@ Mask grown_to_the_wall(const CtVolume& ct, const Mask& lumen, double lumen_grey,
           if (!ct.grid.contains(at[0], at[1], at[2]) || lumen(at[0], at[1], at[2])) continue;
           const Index3 next = at;
           double crest = -32768;
-          for (int n = 0; n * ct.grid.spacing_mm[face / 2] <= wall_reach_mm && ct.grid.contains(at[0], at[1], at[2]);
+          for (int n = 0;
+               n * ct.grid.spacing_mm[face / 2] <= priors::airway_wall_max_mm && ct.grid.contains(at[0], at[1], at[2]);
                ++n, at[axis] += sign)
             crest = std::max(crest, static_cast<double>(ct(at[0], at[1], at[2])));
           if (2 * crest > lumen_grey + tissue_grey) crest = std::max(crest, tissue_grey);
@@ -190,14 +190,15 @@ Mask segment_trachea(const CtVolume& ct, const pde::SegmentationTree& tree, cons
   const auto seed = start_voxel(ct, landmarks);
   if (!seed) return Mask(ct.grid);
   // The first split of the tree parts air and tissue: the wall lies half-way between their grey values.
-  const int wall_hu = tree.empty() ? -500 : static_cast<int>((tree.front().c_below + tree.front().c_above) / 2);
+  const int wall_hu = tree.empty() ? static_cast<int>(tissue::airway_wall_hu)
+                                   : static_cast<int>((tree.front().c_below + tree.front().c_above) / 2);
   const double tissue_grey = tree.empty() ? 0 : tree.front().c_above;
-  const auto limit = static_cast<std::int64_t>(volume_limit_ml * 1000 / ct.grid.voxel_volume_mm3());
+  const auto limit = static_cast<std::int64_t>(priors::airways_max_ml * 1000 / ct.grid.voxel_volume_mm3());
   Mask air =
       image::component_of(image::mask_where(ct.grid, [&](std::size_t v) { return ct.voxels[v] < wall_hu; }), *seed);
   const Vec3 center = lps_from_index(
       ct.grid, {static_cast<double>((*seed)[0]), static_cast<double>((*seed)[1]), static_cast<double>((*seed)[2])});
-  const double lumen_grey = median_around(ct, center, lumen_radius_mm);
+  const double lumen_grey = median_around(ct, center, lumen_ball_mm);
   const Volume<float> image = as_float(ct), smooth = image::gaussian(image, smoothing_mm);
   const auto lung = lung_grey(ct, air, smooth, lumen_grey, limit);
   if (!lung) return air;

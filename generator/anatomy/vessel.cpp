@@ -14,15 +14,15 @@
 #include "generator/image/morphology.hpp"
 #include "generator/pde/total_variation.hpp"
 #include "model/error.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double lumen_radius_mm = 1.5;  // ball inside the lumen
-constexpr double around_mm = 15;         // ball whose median is taken for the surroundings
-constexpr double min_contrast_hu = 50;
-constexpr double edge_reach_mm = 1.5;  // the edge is looked for this far on both sides of the threshold's surface
-constexpr double same_vessel_mm = 4;   // grey values of the edge are averaged with this standard deviation
+constexpr double lumen_ball_mm = 1.5;    // inside the lumen
+constexpr double around_ball_mm = 15;    // whose median is taken for the surroundings
+constexpr double edge_search_mm = 1.5;   // the edge is looked for this far on both sides of the threshold's surface
+constexpr double edge_smoothing_mm = 4;  // grey values of the edge are averaged with this standard deviation
 
 std::string place(const Vec3& seed) {
   return fmt::format("carotid seed at ({:.1f}, {:.1f}, {:.1f}) mm", seed.x, seed.y, seed.z);
@@ -53,7 +53,7 @@ Vec3 downhill(const Volume<float>& image, const Index3& voxel) {
 double grey_at_edge(const Volume<float>& image, const Index3& voxel, const Vec3& direction) {
   const Vec3& spacing = image.grid.spacing_mm;
   const double step = std::min({spacing.x, spacing.y, spacing.z}) / 2;
-  const auto reach = static_cast<int>(std::lround(edge_reach_mm / step));
+  const auto reach = static_cast<int>(std::lround(edge_search_mm / step));
   const auto value = [&](int n) {
     const double way = n * step;
     return sample_linear(image, {static_cast<double>(voxel[0]) + way * direction.x / spacing.x,
@@ -102,8 +102,8 @@ Volume<float> edge_level(const Grid& grid, const std::vector<SurfaceVoxel>& surf
     sum(voxel[0], voxel[1], voxel[2]) = static_cast<float>(grey);
     weight(voxel[0], voxel[1], voxel[2]) = 1;
   }
-  sum = image::gaussian(sum, same_vessel_mm);
-  weight = image::gaussian(weight, same_vessel_mm);
+  sum = image::gaussian(sum, edge_smoothing_mm);
+  weight = image::gaussian(weight, edge_smoothing_mm);
   for (std::size_t v = 0; v < sum.voxels.size(); ++v)
     sum.voxels[v] = weight.voxels[v] > 1e-6F ? sum.voxels[v] / weight.voxels[v] : static_cast<float>(far_value);
   return sum;
@@ -113,7 +113,7 @@ Volume<float> edge_level(const Grid& grid, const std::vector<SurfaceVoxel>& surf
 /// zero level of the total variation smoothing of the signed evidence (Chambolle 2004).
 Mask moved_to_the_edge(const Mask& start, const Volume<float>& image, const Volume<float>& level, double contrast,
                        double curvature_mm) {
-  const Mask inner = image::erode(start, edge_reach_mm), outer = image::dilate(start, edge_reach_mm);
+  const Mask inner = image::erode(start, edge_search_mm), outer = image::dilate(start, edge_search_mm);
   Volume<float> evidence(start.grid);
   for (std::size_t v = 0; v < evidence.voxels.size(); ++v) {
     const double difference = static_cast<double>(image.voxels[v] - level.voxels[v]) / contrast;
@@ -133,9 +133,9 @@ VesselThreshold threshold_vessel(const CtVolume& angiogram, const Vec3& seed_mm,
                                  double maximum_volume_ml) {
   const Index3 seed = seed_voxel(angiogram.grid, "carotid", seed_mm);
   VesselThreshold result;
-  result.lumen_hu = median_around(angiogram, seed_mm, lumen_radius_mm);
-  result.around_hu = median_around(angiogram, seed_mm, around_mm);
-  if (result.lumen_hu < result.around_hu + min_contrast_hu)
+  result.lumen_hu = median_around(angiogram, seed_mm, lumen_ball_mm);
+  result.around_hu = median_around(angiogram, seed_mm, around_ball_mm);
+  if (result.lumen_hu < result.around_hu + tissue::carotid_contrast_min_hu)
     throw UserError(fmt::format("the seed is not in a vessel: {:.0f} HU there, {:.0f} HU around it", result.lumen_hu,
                                 result.around_hu),
                     place(seed_mm), "move the seed into the lumen, or use an angiogram with contrast agent");

@@ -3,15 +3,16 @@
 /// The lumen of one vessel (a carotid) out of an angiogram, in the three steps of thesis 8.3.3: a threshold, a contour
 /// that moves to the edge, and a smoothing by total variation.
 #pragma once
+#include "model/priors.hpp"
 #include "model/vec.hpp"
 #include "model/volume.hpp"
 
 namespace heartgen::anatomy {
 
 struct VesselSettings {
-  double smoothing_hu = 30;       ///< strength of the total variation smoothing before the threshold, 0 for none
-  double curvature_mm = 0.1;      ///< weight of the lumen's surface: tubes with radii below twice this vanish
-  double maximum_volume_ml = 60;  ///< more is taken for a leak
+  double smoothing_hu = 30;   ///< strength of the total variation smoothing before the threshold, 0 for none
+  double curvature_mm = 0.1;  ///< weight of the lumen's surface: tubes with radii below twice this vanish
+  double maximum_volume_ml = priors::carotid_max_ml;  ///< more is taken for a leak
 };
 
 /// The lumen at the seed. The bright component at the seed, cut half-way between its grey value and that of its wider

@@ -16,12 +16,13 @@
 #include "generator/image/morphology.hpp"
 #include "generator/image/sections.hpp"
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double shell_mm = 4;  // thickness of the slices of a vessel whose centroids give its axis
+constexpr double slice_mm = 4;  // thickness of the slices of a vessel whose centroids give its axis
 constexpr double lever_mm = 8;  // distance between them
 
 Vec3 position(const Grid& grid, std::size_t v) {
@@ -108,11 +109,10 @@ Mask piece_with(const Mask& whole, const Mask& part) {
 
 /// What lies at heights within 2 mm of `z_mm` and is no thin vessel.
 std::vector<Piece> pieces_at(const Mask& region, double z_mm) {
-  constexpr double min_mm2 = 80;
   Mask slab = region;
   for (std::size_t v = 0; v < slab.voxels.size(); ++v)
-    if (std::abs(position(region.grid, v).z - z_mm) > shell_mm / 2) slab.voxels[v] = 0;
-  return pieces_of(slab, min_mm2 * shell_mm);
+    if (std::abs(position(region.grid, v).z - z_mm) > slice_mm / 2) slab.voxels[v] = 0;
+  return pieces_of(slab, priors::vein_section_min_mm2 * slice_mm);
 }
 
 /// Where the atrium's wide part lies.
@@ -144,15 +144,15 @@ Core measure_core(const Mask& core) {
 /// the atrium. Nothing where it cannot be followed far enough, or widens or turns away beyond, or is not above or below
 /// the atrium: other tissue that was taken for blood, as far as the spine.
 std::optional<End> cava_at(const Mask& atrium, const Core& core, double z_mm, double way) {
-  constexpr double max_wider = 1.5, min_along = 0.7, beside_mm = 10;
   const auto here = pieces_at(atrium, z_mm), beyond = pieces_at(atrium, z_mm + way * lever_mm);
   if (here.empty() || beyond.empty()) return std::nullopt;
   const Piece& first = nearest(here, core.middle_mm);
   const Piece& second = nearest(beyond, first.centroid);
-  if (level_distance(first.centroid, core.middle_mm) > core.reach_mm + beside_mm) return std::nullopt;
-  if (second.volume_mm3 > max_wider * first.volume_mm3) return std::nullopt;
+  if (level_distance(first.centroid, core.middle_mm) > core.reach_mm + priors::cava_beside_atrium_mm)
+    return std::nullopt;
+  if (second.volume_mm3 > priors::vein_max_widening * first.volume_mm3) return std::nullopt;
   const Vec3 axis = normalized(second.centroid - first.centroid);
-  return way * axis.z > min_along ? std::optional(End{first.centroid, axis}) : std::nullopt;
+  return way * axis.z > priors::vein_min_upright ? std::optional(End{first.centroid, axis}) : std::nullopt;
 }
 
 /// A vena cava's end, and its radius.
@@ -165,10 +165,10 @@ struct CavaEnd {
 /// That tells the atrium's opening however the heart lies in the chest. The vein's own section is a median: farther out
 /// contrast may fade, and one plane may be noise. Nothing where it does not grow so far.
 std::optional<CavaEnd> cava_end(const Volume<float>& blood, const End& vein, double stump_radii) {
-  constexpr int outermost_mm = 4, innermost_mm = -40, own_planes = 7;
+  constexpr int search_from_mm = 4, search_to_mm = -40, own_planes = 7;
   constexpr double search_mm = 6, opened = 2;
-  std::vector<double> areas;  // at outermost_mm and every millimetre inwards
-  for (int along_mm = outermost_mm; along_mm >= innermost_mm; --along_mm) {
+  std::vector<double> areas;  // at search_from_mm and every millimetre inwards
+  for (int along_mm = search_from_mm; along_mm >= search_to_mm; --along_mm) {
     const auto found = image::section_at(blood, vein.at + along_mm * vein.axis, vein.axis, search_mm);
     areas.push_back(found ? found->area_mm2 : 0);
   }
@@ -178,7 +178,7 @@ std::optional<CavaEnd> cava_end(const Volume<float>& blood, const End& vein, dou
   for (std::size_t n = own_planes; n < areas.size(); ++n) {
     if (areas[n] <= opened * own_mm2) continue;
     const double t = std::clamp((areas[n] - opened * own_mm2) / (areas[n] - areas[n - 1]), 0.0, 1.0);
-    const double end_mm = outermost_mm - static_cast<double>(n) + t + stump_radii * radius_mm;
+    const double end_mm = search_from_mm - static_cast<double>(n) + t + stump_radii * radius_mm;
     return CavaEnd{{vein.at + end_mm * vein.axis, vein.axis}, radius_mm};
   }
   return std::nullopt;
@@ -206,10 +206,10 @@ void cut_level(double height_mm, double way, Mask& atrium) {
 
 Mask cut_artery(const Mask& artery, const Mask& start, double length_mm) {
   const auto way = image::geodesic_distance(artery, start, length_mm + lever_mm);
-  constexpr double min_mm3 = 50;
-  const auto ends = pieces_of(shell(way, length_mm - shell_mm / 2, length_mm + shell_mm / 2), min_mm3);
+  const auto ends =
+      pieces_of(shell(way, length_mm - slice_mm / 2, length_mm + slice_mm / 2), priors::artery_piece_min_mm3);
   const auto before =
-      pieces_of(shell(way, length_mm - shell_mm / 2 - lever_mm, length_mm + shell_mm / 2 - lever_mm), 0);
+      pieces_of(shell(way, length_mm - slice_mm / 2 - lever_mm, length_mm + slice_mm / 2 - lever_mm), 0);
   Mask result(artery.grid);
   for (std::size_t v = 0; v < result.voxels.size(); ++v) {
     const auto length = static_cast<double>(way.voxels[v]);
@@ -235,14 +235,13 @@ Mask cut_veins(const Mask& chamber, double core_share, double stump_mm) {
 }
 
 Mask cut_venae_cavae(const Mask& atrium, double core_share, double stump_radii) {
-  constexpr double above_mm = 10, below_mm = 4;  // where veins are seen that cannot be followed to their opening
   const Mask wide = wide_part(atrium, core_share);
   if (image::count(wide) == 0) return atrium;
   const Core core = measure_core(wide);
   const Volume<float> blood = mask_as_float(atrium);
   Mask result = atrium;
-  for (const auto& [height_mm, way] :
-       {std::pair{core.lowest_mm - below_mm, -1.0}, std::pair{core.highest_mm + above_mm, 1.0}}) {
+  for (const auto& [height_mm, way] : {std::pair{core.lowest_mm - priors::cava_below_atrium_mm, -1.0},
+                                       std::pair{core.highest_mm + priors::cava_above_atrium_mm, 1.0}}) {
     const auto vein = cava_at(atrium, core, height_mm, way);
     if (const auto cava = vein ? cava_end(blood, *vein, stump_radii) : std::nullopt)
       cut_across(*cava, result);
@@ -253,8 +252,8 @@ Mask cut_venae_cavae(const Mask& atrium, double core_share, double stump_radii) 
 }
 
 Mask drop_thin_branches(const Mask& region, double radius_mm) {
-  constexpr double rim_mm = 1;
-  const Mask wide = image::dilate(image::erode(region, radius_mm), radius_mm + rim_mm);
+  constexpr double margin_mm = 1;
+  const Mask wide = image::dilate(image::erode(region, radius_mm), radius_mm + margin_mm);
   return image::largest_component(image::intersect(wide, region));
 }
 

@@ -9,12 +9,12 @@
 #include "generator/image/components.hpp"
 #include "generator/pde/edge_function.hpp"
 #include "generator/pde/snake.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double min_piece_mm2 = 1.5;  // smaller pieces have no room for a curve
-constexpr double max_change = 0.6;     // of a piece's area: a snake that moves more has left its vessel
+constexpr double max_change = 0.6;  // of a piece's area: a snake that moves more has left its vessel
 constexpr pde::SnakeSettings calm{.tension_mm = 0.03, .rigidity_mm3 = 0.02, .attraction_mm = 2, .max_iterations = 3000};
 
 template <class T>
@@ -61,7 +61,7 @@ Mask settled(const Mask& piece, const Volume<float>& h) {
   const Grid& grid = piece.grid;
   const auto pixels = std::count(piece.voxels.begin(), piece.voxels.end(), 1);
   const double area = static_cast<double>(pixels) * grid.spacing_mm.x * grid.spacing_mm.y;
-  if (area < min_piece_mm2) return piece;
+  if (area < priors::carotid_section_min_mm2) return piece;
   const pde::Curve rough = outline(piece);
   const auto points = std::max(16, static_cast<int>(2 * pde::length_mm(rough) / grid.spacing_mm.x));
   const auto found = pde::evolve_snake(pde::resampled(rough, points), h, calm);

@@ -17,7 +17,7 @@ namespace {
 constexpr double min_weight = 0.5;             // of an edge inside the tissue, where nothing says it is the heart's
 constexpr float free_end = 0.2F;               // weight between the wall and what is surely outside
 constexpr std::int64_t island_fraction = 100;  // smaller pieces are no heart; the atria may be two pieces
-constexpr double thin_mm = 1;                  // half the width of what is no wall, voxels permitting
+constexpr double opening_mm = 1;               // half the width of what is no wall, voxels permitting
 constexpr double area_bin_mm = 1;              // thickness of the shells whose volumes measure the level sets' areas
 
 std::size_t area_bin(float distance_mm) {
@@ -151,7 +151,7 @@ Mask inside_of_cut(const Volume<float>& u, const BandInput& band) {
   const Vec3& spacing = u.grid.spacing_mm;
   Mask inside(u.grid);
   for (std::size_t v = 0; v < inside.voxels.size(); ++v) inside.voxels[v] = u.voxels[v] > 0.5F;
-  const double thin = std::max(thin_mm, std::min({spacing.x, spacing.y, spacing.z}));
+  const double thin = std::max(opening_mm, std::min({spacing.x, spacing.y, spacing.z}));
   inside = image::fill_holes(image::unite(image::open(inside, thin), band.inner));
   return image::drop_small_components(inside, std::max<std::int64_t>(image::count(inside) / island_fraction, 1));
 }

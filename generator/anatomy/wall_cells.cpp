@@ -11,21 +11,15 @@
 #include "generator/image/masks.hpp"
 #include "generator/image/morphology.hpp"
 #include "model/error.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double vessel_radius_mm = 2.5;   // unlabelled blood thicker than this is a vein or artery, not a coronary
-constexpr double vessel_fraction = 0.35;   // of the contrast between muscle and the chamber: blood, if less enhanced
-constexpr double min_vessel_hu = 20;       // above muscle
-constexpr double artery_wall_mm = 2;       // of the aorta and the pulmonary artery
-constexpr double foreign_artery_mm = 3;    // arteries get only what is so much nearer to them, away from their valve
-constexpr double valve_plate_mm = 3;       // the muscle that carries the valves belongs to the ventricle
 constexpr double smoothing_mm = 0.8;       // of the tissue
 constexpr double vessel_smoothing_mm = 1;  // against noise, for vessels
-constexpr double typical_fat_hu = -100;
-constexpr int lightest_fat_hu = -30, darkest_fat_hu = -160;
 
 constexpr std::array<Region, 4> chamber_regions = {Region::lv_blood, Region::rv_blood, Region::la_blood,
                                                    Region::ra_blood};
@@ -45,14 +39,16 @@ double measured_muscle_hu(const CtVolume& ct, const LabelVolume& chambers, doubl
   const auto distance = image::distance_to(
       image::mask_where(ct.grid, [&](std::size_t v) { return is(chambers.voxels[v], Region::lv_blood); }));
   return median_where(ct, blood_hu / 4, [&](std::size_t v) {
-    const bool shell = distance.voxels[v] > 2 && distance.voxels[v] < 6 && chambers.voxels[v] == 0;
+    const bool shell = distance.voxels[v] > priors::lv_muscle_from_mm && distance.voxels[v] < priors::lv_muscle_to_mm &&
+                       chambers.voxels[v] == 0;
     return shell && ct.voxels[v] > 0 && ct.voxels[v] < blood_hu / 2;
   });
 }
 
 double measured_fat_hu(const CtVolume& ct) {
-  return median_where(ct, typical_fat_hu,
-                      [&](std::size_t v) { return ct.voxels[v] > darkest_fat_hu && ct.voxels[v] < lightest_fat_hu; });
+  return median_where(ct, tissue::fat_hu, [&](std::size_t v) {
+    return ct.voxels[v] > tissue::fat_min_hu && ct.voxels[v] < tissue::fat_max_hu;
+  });
 }
 
 Volume<float> clipped(const CtVolume& ct, double low_hu, double high_hu) {
@@ -87,11 +83,12 @@ void find_owners(HeartBand& heart) {
     const double to_ventricle = static_cast<double>(ventricle.distance_mm.voxels[v]);
     const double to_atrium = static_cast<double>(atrium.distance_mm.voxels[v]);
     const double to_artery = static_cast<double>(artery.distance_mm.voxels[v]);
-    const bool of_atrium = to_atrium + valve_plate_mm < to_ventricle;
+    const bool of_atrium = to_atrium + priors::valve_plate_mm < to_ventricle;
     const auto chamber = (of_atrium ? atrium : ventricle).label.voxels[v];
-    const double lead = joined_by_valve(chamber, artery.label.voxels[v]) ? 0 : foreign_artery_mm;
+    const double lead = joined_by_valve(chamber, artery.label.voxels[v]) ? 0 : priors::artery_lead_mm;
     const double to_chamber = of_atrium ? to_atrium : to_ventricle;
-    const bool of_artery = to_artery <= artery_wall_mm && to_artery + lead < to_chamber && to_chamber > touching_mm;
+    const bool of_artery =
+        to_artery <= priors::artery_wall_mm && to_artery + lead < to_chamber && to_chamber > touching_mm;
     heart.owner.voxels[v] = of_artery ? std::uint8_t{0} : chamber;
   }
   heart.atrium = std::move(atrium.label);
@@ -102,7 +99,8 @@ Mask find_other_blood(const CtVolume& ct, const HeartBand& heart, double muscle_
   for (const Region region : chamber_regions) {
     const double blood =
         median_where(ct, muscle_hu, [&](std::size_t v) { return is(heart.chambers.voxels[v], region); });
-    min_hu[tag(region)] = muscle_hu + std::max(vessel_fraction * (blood - muscle_hu), min_vessel_hu);
+    min_hu[tag(region)] = muscle_hu + std::max<double>(tissue::other_vessel_contrast_share * (blood - muscle_hu),
+                                                       tissue::other_vessel_contrast_min_hu);
   }
   min_hu[0] = min_hu[tag(Region::lv_blood)];
   Volume<float> smooth(ct.grid);
@@ -111,7 +109,7 @@ Mask find_other_blood(const CtVolume& ct, const HeartBand& heart, double muscle_
   const Mask bright = image::mask_where(ct.grid, [&](std::size_t v) {
     return heart.chambers.voxels[v] == 0 && static_cast<double>(smooth.voxels[v]) > min_hu[heart.owner.voxels[v]];
   });
-  return image::open(bright, vessel_radius_mm);
+  return image::open(bright, priors::other_vessel_radius_mm);
 }
 
 /// The box of all chambers and known walls with room for the widest band.

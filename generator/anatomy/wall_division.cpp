@@ -13,8 +13,8 @@
 namespace heartgen::anatomy {
 namespace {
 
-constexpr double smoothing_mm = 1;       // of the distances to the cavities, against trabeculae
-constexpr double same_wall_mm = 4;       // thicknesses are averaged with this standard deviation
+constexpr double smoothing_mm = 1;            // of the distances to the cavities, against trabeculae
+constexpr double thickness_smoothing_mm = 4;  // thicknesses are averaged with this standard deviation
 constexpr double facing = -0.7;          // cosine between the ways out of the two cavities, at the septum's right side
 constexpr float weight_of_mean = 1e-4F;  // per mm, against the density of measurements: what counts far from them all
 
@@ -97,8 +97,8 @@ Mask left_part(const HeartBand& heart, const Mask& ventricles) {
   const auto to_rv = image::gaussian(image::distance_to(right), smoothing_mm);
   Thickness found = measure_thickness(heart, ventricles, right, to_lv, to_rv);
   const auto mean = static_cast<float>(mean_of(found));
-  found.sum = image::gaussian(found.sum, same_wall_mm);
-  found.weight = image::gaussian(found.weight, same_wall_mm);
+  found.sum = image::gaussian(found.sum, thickness_smoothing_mm);
+  found.weight = image::gaussian(found.weight, thickness_smoothing_mm);
   Mask left(heart.owner.grid);
   for (std::size_t v = 0; v < left.voxels.size(); ++v) {
     if (!ventricles.voxels[v] || heart.chambers.voxels[v]) continue;

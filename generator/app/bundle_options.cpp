@@ -144,7 +144,7 @@ void add_transfer(Program& p) {
                   std::string("mesh in mm and in the bundle's frame; its other arrays stay: ") + mesh_kinds)
       ->required();
   sub->add_option("output", c.output, "mesh to write: .vtu, .vtk or .msh")->required();
-  sub->add_option("--reach", c.reach_mm, "how far a node may lie from the source, mm (default 5)");
+  sub->add_option("--reach", c.search_mm, "how far a node may lie from the source, mm (default 5)");
   sub->add_flag("--partial", c.partial, "leave nodes and cells farther away without fibres (zero), not refuse them");
   sub->add_flag("--json", c.json, "print as JSON");
 }

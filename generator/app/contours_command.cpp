@@ -57,7 +57,7 @@ Outcome run_level_set(const ContoursCommand& command, const Volume<float>& image
   settings.balloon = command.balloon;
   if (command.iterations >= 0) settings.max_iterations = command.iterations;
   const auto start =
-      parallel::run_on_root(comm, [&] { return pde::balls(image.grid, seeds_of(command), command.radius_mm); });
+      parallel::run_on_root(comm, [&] { return pde::balls(image.grid, seeds_of(command), command.start_radius_mm); });
   auto found = pde::evolve_contour(image, start, edges_of(command, image, comm), settings, comm);
   return {pde::inside_of(found.level_set), std::move(found.level_set), pde::name_of(found.end), found.iterations};
 }
@@ -85,7 +85,7 @@ Outcome run_snake(const ContoursCommand& command, const Volume<float>& image) {
   settings.balloon = command.balloon;
   if (command.iterations >= 0) settings.max_iterations = command.iterations;
   const pde::Point2 center{index.x * image.grid.spacing_mm.x, index.y * image.grid.spacing_mm.y};
-  const auto found = pde::evolve_snake(pde::circle(center, command.radius_mm, 64), h, settings);
+  const auto found = pde::evolve_snake(pde::circle(center, command.start_radius_mm, 64), h, settings);
   return {pde::inside_of(found.curve, image.grid), {}, pde::name_of(found.end), found.iterations};
 }
 

@@ -10,11 +10,11 @@
 namespace heartgen::app {
 
 struct ContoursCommand {
-  std::string method;         ///< snake, geometric, geodesic or subjective
-  std::string input, output;  ///< image in; mask (1 inside) out
-  std::string surface;        ///< also write φ (geometric, geodesic: mm, negative inside; subjective: high inside)
-  std::vector<double> seeds;  ///< x, y, z, x, y, z, ... LPS mm
-  double radius_mm = 5;       ///< of the start around the seeds
+  std::string method;          ///< snake, geometric, geodesic or subjective
+  std::string input, output;   ///< image in; mask (1 inside) out
+  std::string surface;         ///< also write φ (geometric, geodesic: mm, negative inside; subjective: high inside)
+  std::vector<double> seeds;   ///< x, y, z, x, y, z, ... LPS mm
+  double start_radius_mm = 5;  ///< of the start around the seeds
   double smoothing_mm = 1;
   double edge_per_mm = 0;  ///< 0: default_edge_per_mm
   double curvature_mm = 1, attraction_mm = -1, balloon = 0;

@@ -82,7 +82,7 @@ void add_contours(Program& p) {
   sub->add_option("input", c.input, "image, 2D or 3D (snake: 2D)")->required();
   sub->add_option("mask", c.output, "image to write: 1 inside the contour")->required();
   sub->add_option("--seed", c.seeds, "point inside the object, x,y,z in LPS mm; several in a row")->delimiter(',');
-  sub->add_option("--radius", c.radius_mm, "of the start around the seeds, mm (default 5)");
+  sub->add_option("--radius", c.start_radius_mm, "of the start around the seeds, mm (default 5)");
   sub->add_option("--smoothing", c.smoothing_mm, "sigma of the Gaussian before the gradient, mm (default 1)");
   sub->add_option("--edge", c.edge_per_mm, "slope of an edge, grey values per mm (default: from the image)");
   sub->add_option("--curvature", c.curvature_mm, "weight of the curvature, mm (default 1; not for snakes)");

@@ -51,7 +51,7 @@ TetMesh read_source(const std::string& path) {
 }
 
 void check(const TransferCommand& command) {
-  if (!(command.reach_mm > 0) || !std::isfinite(command.reach_mm))
+  if (!(command.search_mm > 0) || !std::isfinite(command.search_mm))
     throw UserError("must be a positive number", "--reach", "give mm");
   mesh_files::check_mesh_output(command.output);
 }
@@ -62,7 +62,7 @@ std::string size_text(const std::vector<Vec3>& points) {
 }
 
 void refuse_wrong_unit(const TetMesh& source, const std::vector<Vec3>& points, const TransferCommand& command) {
-  const auto factor = fibers::scale_onto(source, points, command.reach_mm);
+  const auto factor = fibers::scale_onto(source, points, command.search_mm);
   if (!factor) return;
   const char* unit = *factor == 10 ? "cm" : *factor == 1000 ? "m" : *factor == 0.001 ? "um" : "tenths of mm";
   throw UserError(fmt::format("is {} where {} is {} mm, and lies on it when scaled by {:g}", size_text(points),
@@ -74,7 +74,7 @@ void refuse_far_nodes(const fibers::TransferredFibers& result, std::size_t nodes
   const auto beyond = static_cast<std::size_t>(result.beyond_nodes);
   if (beyond == nodes || (beyond > 0 && !command.partial))
     throw UserError(fmt::format("{} of {} nodes lie farther than {:g} mm from {}, up to {:.4g} mm", beyond, nodes,
-                                command.reach_mm, command.source, result.farthest_mm),
+                                command.search_mm, command.source, result.farthest_mm),
                     command.input,
                     beyond == nodes ? "is it the same heart, in mm and in the same frame?"
                                     : "allow more with --reach, or leave them without fibres with --partial");
@@ -110,7 +110,7 @@ void print(const TransferCommand& command, const UnstructuredData& mesh, const f
   }
   fmt::print("{}: fibres on {} nodes and {} cells\n", command.output, mesh.points.size(), mesh.tets.size());
   fmt::print("farthest node from the source: {:.3g} mm; {} beyond {:g} mm are without fibres\n", result.farthest_mm,
-             result.beyond_nodes, command.reach_mm);
+             result.beyond_nodes, command.search_mm);
   for (const auto& remark : mesh.remarks) fmt::print("{}\n", remark);
 }
 
@@ -121,7 +121,7 @@ int transfer_command(const TransferCommand& command) {
   const TetMesh source = read_source(command.source);
   auto mesh = mesh_files::read_any_mesh(command.input);
   refuse_wrong_unit(source, mesh.points, command);
-  auto result = fibers::transfer_fibers(source, mesh.points, mesh.tets, command.reach_mm);
+  auto result = fibers::transfer_fibers(source, mesh.points, mesh.tets, command.search_mm);
   refuse_far_nodes(result, mesh.points.size(), command);
   store(mesh, result);
   const auto labels = mesh_files::find_labels(mesh, "", command.input);

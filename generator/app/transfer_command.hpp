@@ -9,7 +9,7 @@ namespace heartgen::app {
 struct TransferCommand {
   std::string source;  ///< folder of a bundle, or any mesh (any_mesh.hpp) with "fiber" and "sheet" on its points
   std::string input, output;
-  double reach_mm = 5;   ///< how far a node may lie from the source
+  double search_mm = 5;  ///< how far a node may lie from the source
   bool partial = false;  ///< leave nodes farther away without fibres instead of refusing
   bool json = false;
 };

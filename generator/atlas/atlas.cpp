@@ -17,20 +17,20 @@
 #include "model/bounding_box.hpp"
 #include "model/error.hpp"
 #include "model/fiber_names.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::atlas {
 namespace {
 
 constexpr const char* expected = "a fibre atlas is a mesh of tetrahedra with one vector per point or per cell";
-// A pair of ventricles spans 50 mm (small animal or child) to 250 mm; the longest side of the box decides the unit.
-constexpr double smallest_heart_mm = 50, largest_heart_mm = 250;
 
 bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+/// The longest side of the box decides.
 double unit_in_mm(const std::string& name, const std::vector<Vec3>& points) {
   const double side = longest_side(points);
   for (const double unit : {1.0, 10.0, 1000.0, 0.001})
-    if (side * unit >= smallest_heart_mm && side * unit <= largest_heart_mm) return unit;
+    if (side * unit >= priors::heart_min_mm && side * unit <= priors::heart_max_mm) return unit;
   throw UserError(fmt::format("the atlas is {:.4g} units long, which is no heart's size in mm, cm, m or um", side),
                   name, "scale its points to mm");
 }

@@ -17,6 +17,7 @@
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
 #include "model/mesh_queries/voxels_in_cell.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
 
 namespace heartgen::atlas {
@@ -240,7 +241,6 @@ std::vector<std::int64_t> label_components(const Mask& mask, Volume<std::int32_t
 
 /// Two masks: the two largest enclosed cavities. Top slices are left out until there are two.
 std::array<Mask, 2> two_cavities(const Mask& wall, const std::string& name) {
-  constexpr double min_ml = 5;
   Mask cavity = enclosed_cavities(wall);
   const auto slice = wall.grid.size[0] * wall.grid.size[1];
   for (std::int64_t top = wall.grid.size[2]; top > wall.grid.size[2] / 3; --top) {
@@ -252,7 +252,8 @@ std::array<Mask, 2> two_cavities(const Mask& wall, const std::string& name) {
       return sizes[static_cast<std::size_t>(a)] > sizes[static_cast<std::size_t>(b)];
     });
     const double voxel_ml = wall.grid.voxel_volume_mm3() / 1000;
-    if (order.size() >= 2 && static_cast<double>(sizes[static_cast<std::size_t>(order[1])]) * voxel_ml > min_ml) {
+    if (order.size() >= 2 &&
+        static_cast<double>(sizes[static_cast<std::size_t>(order[1])]) * voxel_ml > priors::cavity_min_ml) {
       std::array<Mask, 2> result{Mask(wall.grid), Mask(wall.grid)};
       for (std::size_t v = 0; v < label.voxels.size(); ++v)
         for (std::size_t c = 0; c < 2; ++c) result[c].voxels[v] = label.voxels[v] == order[c] + 1;
@@ -333,7 +334,7 @@ void split_walls(Volume<std::uint8_t>& parts, double lv_thickness_mm) {
 /// Where the walls join, a mesh with one vector per node mixes their directions within its cells, about two edges far,
 /// and for an edge more its sheets bend into the junction, so that depths between its surfaces are not its own.
 double mixing_reach_mm(const FiberAtlas& atlas) {
-  constexpr double edges = 3, max_mm = 15;
+  constexpr double edges = 3;
   double sum = 0, count = 0;
   for (const Cell& cell : atlas.cells)
     for (std::size_t a = 0; a < 4; ++a)
@@ -342,7 +343,7 @@ double mixing_reach_mm(const FiberAtlas& atlas) {
                     atlas.points_mm[static_cast<std::size_t>(cell[b])]);
         ++count;
       }
-  return count > 0 ? std::min(edges * sum / count, max_mm) : 0;
+  return count > 0 ? std::min<double>(edges * sum / count, priors::atlas_mixing_max_mm) : 0;
 }
 
 Volume<Vec3> voxel_fibers(const FiberAtlas& atlas, const Grid& grid) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double clip_mm = 6;
 constexpr double sample_spacing_mm = 4;
-constexpr double hopeless_rms_mm = 5;
+constexpr double rms_tolerance_mm = 5;
 
 /// Columns long axis, RV side, and the third of a right-handed frame.
 Mat3 columns_of(const ventricles::HeartFrame& frame) {
@@ -146,7 +146,7 @@ Pose fit_atlas_pose(const ventricles::Ventricles& patient, const ventricles::Ven
     return fit(maps, similar.map, center, adapters::PoseFreedom::affine);
   };
   const auto found = patient.cut ? fit_cut_pose(patient, atlas, start) : whole();
-  if (!(found.rms <= hopeless_rms_mm) || determinant(found.map.matrix) <= 0)
+  if (!(found.rms <= rms_tolerance_mm) || determinant(found.map.matrix) <= 0)
     throw UserError(fmt::format("the atlas does not fit the patient's ventricles (misfit {:.1f} mm)", found.rms),
                     "fibers", "check the segmentation of the ventricles, and that the atlas is a mesh of both");
   return {found.map, found.rms};

@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "model/axis_tensor.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::atlas {
 namespace {
-
-constexpr double standard_radius_mm = 38;  // root mean square distance of an adult's ventricular muscle from its centre
 
 std::array<Vec3, 4> corners_of(const FiberAtlas& atlas, const Cell& cell) {
   std::array<Vec3, 4> p;
@@ -70,7 +69,7 @@ FiberAtlas in_standard_pose(const FiberAtlas& atlas) {
   const Vec3 third = leading_axis(lack);
   const Vec3 second = to_farther_end(atlas, mass, normalized(cross(third, first)));
   const Mat3 rotation{{first, second, cross(first, second)}};
-  const double scale = standard_radius_mm / std::sqrt(trace(mass.spread));
+  const double scale = priors::adult_heart_rms_mm / std::sqrt(trace(mass.spread));
   FiberAtlas result = atlas;
   for (Vec3& p : result.points_mm) p = scale * (rotation * (p - mass.center_mm));
   for (Vec3& f : result.fiber) f = rotation * f;

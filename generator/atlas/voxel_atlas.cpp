@@ -119,11 +119,11 @@ Mask muscle_of(const std::string& mask_path, const Volume<Vec3>& axis) {
 
 /// Voxels per side of a block.
 std::array<std::int64_t, 3> block_of(const Grid& grid) {
-  constexpr double min_mm = 0.75;
+  constexpr double min_cell_mm = 0.75;
   std::array<std::int64_t, 3> block{};
   for (int axis = 0; axis < 3; ++axis)
     block[static_cast<std::size_t>(axis)] =
-        std::max<std::int64_t>(1, static_cast<std::int64_t>(min_mm / grid.spacing_mm[axis]));
+        std::max<std::int64_t>(1, static_cast<std::int64_t>(min_cell_mm / grid.spacing_mm[axis]));
   return block;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "generator/fibers/harmonic.hpp"
+#include "model/priors.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heartgen::fibers {
@@ -85,15 +86,16 @@ std::vector<Opening> openings_of(const Wall& wall, bool left) {
 /// Rows of the large openings on one side of the chamber; else of the wall's part farthest along `guess`.
 Rows veins(const Wall& wall, const std::vector<Opening>& openings, const Vec3& middle, const Vec3& side,
            const Vec3& guess) {
-  constexpr double min_perimeter_mm = 15, min_share = 0.5;  // of the largest on this side: less is a hole in a wall
+  constexpr double min_share = 0.5;  // of the largest on this side: less is a hole in a wall
   double largest = 0;
   const auto on_side = [&](const Opening& o) { return dot(o.middle_mm - middle, side) > 0; };
   for (const Opening& o : openings)
     if (on_side(o)) largest = std::max(largest, o.perimeter_mm);
-  if (largest < min_perimeter_mm) return farthest_rows(wall, all_rows(wall), guess, patch_share);
+  if (largest < priors::vein_perimeter_min_mm) return farthest_rows(wall, all_rows(wall), guess, patch_share);
   Rows rows;
   for (const Opening& o : openings)
-    if (on_side(o) && o.perimeter_mm >= std::max(min_perimeter_mm, min_share * largest)) rows = joined(rows, o.rows);
+    if (on_side(o) && o.perimeter_mm >= std::max<double>(priors::vein_perimeter_min_mm, min_share * largest))
+      rows = joined(rows, o.rows);
   return rows;
 }
 

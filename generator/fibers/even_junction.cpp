@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "generator/parallel/threads.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::fibers {
 namespace {
@@ -45,7 +46,7 @@ void relax_axes(const NeighborGraph& graph, const std::vector<std::uint8_t>& ble
 
 void turn_evenly(const NeighborGraph& graph, const std::vector<double>& from_junction_mm,
                  std::vector<AxisTensor>& axes) {
-  constexpr double width_mm = 5;
+  const double width_mm = priors::wall_junction_mm;
   constexpr double sweeps_per_square = 4;  // of the edges across: some 30 sweeps at edges of 1.8 mm
   std::vector<std::uint8_t> blended(axes.size());
   double edges_mm = 0, count = 0;

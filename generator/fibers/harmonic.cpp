@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "generator/parallel/tasks.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
 
 namespace heartgen::fibers {
@@ -46,7 +47,6 @@ Rows rows_on(const Wall& wall, const std::vector<std::string_view>& surfaces) {
 }
 
 Rows rows_of_valve(const Wall& wall, const std::string& valve) {
-  constexpr double reach_mm = 6;
   std::vector<std::uint8_t> on(wall.matrix.nodes.size());
   std::vector<Vec3> curve;
   for (const Rim& rim : wall.mesh->rims) {
@@ -57,7 +57,7 @@ Rows rows_of_valve(const Wall& wall, const std::string& valve) {
     }
   }
   for (const auto r : rows_on(wall, {"atrioventricular_junction", "aorta_wall", "pulmonary_artery_wall"})) {
-    const auto near = [&](const Vec3& p) { return norm(p - wall.at(r)) < reach_mm; };
+    const auto near = [&](const Vec3& p) { return norm(p - wall.at(r)) < priors::annulus_mm; };
     if (std::any_of(curve.begin(), curve.end(), near)) on[static_cast<std::size_t>(r)] = 1;
   }
   return rows_where(on);

@@ -29,7 +29,7 @@
 namespace heartgen::fibers {
 namespace {
 
-constexpr double reach_of_atlas_mm = 8;  // farther from every sample, a carried axis counts as inpainted
+constexpr double atlas_search_mm = 8;  // farther from every sample, a carried axis counts as inpainted
 
 /// What each node of the mesh belongs to.
 struct NodeKinds {
@@ -94,7 +94,7 @@ void set_ventricles(const RegisteredPair& hearts, const TetMesh& mesh, const Nod
   for (std::size_t n = 0; n < axes.size(); ++n) {
     if (!kinds.ventricle[n]) continue;
     missing[n] = trace(axes[n]) <= 0;
-    const bool far = missing[n] || result.atlas_distance_mm[n] > reach_of_atlas_mm;
+    const bool far = missing[n] || result.atlas_distance_mm[n] > atlas_search_mm;
     result.source[n] = static_cast<std::uint8_t>(far ? FiberSource::inpainted : FiberSource::atlas);
     if (walls.known[n]) result.wall_depth[n] = static_cast<float>(walls.main(n).depth);
     directions.transmural[n] = walls.known[n] ? walls.main(n).normal : radial(hearts.patient.frame, mesh.nodes_mm[n]);

@@ -10,6 +10,7 @@
 #include "model/axis_tensor.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::fibers {
 namespace {
@@ -37,14 +38,16 @@ PointCloud papillary_cells(const TetMesh& mesh) {
 
 RuleAxis local_muscle_axis(const PointCloud& cloud, const adapters::PointTree& tree, const Vec3& at,
                            const Vec3& long_axis) {
-  constexpr double reach_mm = 6, long_axis_share = 0.05;
+  constexpr double long_axis_share = 0.05;
   std::vector<std::pair<std::size_t, double>> near;
   const std::array<double, 3> query{at.x, at.y, at.z};
-  tree.radiusSearch(query.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, true));
+  tree.radiusSearch(query.data(), priors::papillary_radius_mm * priors::papillary_radius_mm, near,
+                    nanoflann::SearchParams(32, 0, true));
   Vec3 middle;
   for (const auto& [cell, distance] : near) middle += cloud.points[cell];
   if (!near.empty()) middle = middle / static_cast<double>(near.size());
-  AxisTensor spread = (long_axis_share * reach_mm * reach_mm) * axis_tensor(long_axis);
+  AxisTensor spread =
+      (long_axis_share * priors::papillary_radius_mm * priors::papillary_radius_mm) * axis_tensor(long_axis);
   for (const auto& [cell, distance] : near)
     spread += (1 / static_cast<double>(near.size())) * axis_tensor(cloud.points[cell] - middle);
   const Vec3 fiber = leading_axis(spread);

@@ -209,7 +209,7 @@ TransferredFibers transfer_fibers(const TetMesh& from, const std::vector<Vec3>& 
 }
 
 std::optional<double> scale_onto(const TetMesh& from, const std::vector<Vec3>& points, double reach_mm) {
-  constexpr double clearly = 3, smallest_piece = 0.1, largest = 1.5, max_reach_mm = 5, nearly_all = 0.95;
+  constexpr double clearly = 3, smallest_piece = 0.1, largest = 1.5, max_search_mm = 5, nearly_all = 0.95;
   constexpr std::size_t max_points = 1000;
   if (points.empty() || from.cells.empty()) return {};
   const double ratio = longest_side(points) / longest_side(from.nodes_mm);
@@ -224,7 +224,7 @@ std::optional<double> scale_onto(const TetMesh& from, const std::vector<Vec3>& p
     std::vector<std::int32_t> near;
     std::size_t looked_at = 0, on_it = 0;
     for (std::size_t n = 0; n < points.size(); n += points.size() / max_points + 1, ++looked_at)
-      on_it += lookup->find(factor * points[n], near).distance_mm <= std::min(reach_mm, max_reach_mm);
+      on_it += lookup->find(factor * points[n], near).distance_mm <= std::min(reach_mm, max_search_mm);
     if (static_cast<double>(on_it) >= nearly_all * static_cast<double>(looked_at)) return factor;
   }
   return {};

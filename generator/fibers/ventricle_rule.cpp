@@ -11,6 +11,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/axis_tensor.hpp"
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heartgen::fibers {
@@ -56,7 +57,7 @@ void add_papillary_feet(const Wall& wall, Rows& lv_endo, Rows& rv_endo) {
 
 /// Rows on faces of the epicardium that lie in the flat cut at the base.
 Rows rows_of_cut(const Wall& wall, const ventricles::HeartFrame& frame) {
-  constexpr double near_mm = 4, min_cosine = 0.8;
+  constexpr double min_cosine = 0.8;
   const auto epicardium = *surface_from_name("epicardium");
   Rows rows;
   double highest = std::numeric_limits<double>::max();
@@ -69,7 +70,7 @@ Rows rows_of_cut(const Wall& wall, const ventricles::HeartFrame& frame) {
     const Vec3 &a = wall.at(corner[0]), &b = wall.at(corner[1]), &c = wall.at(corner[2]);
     const Vec3 normal = normalized(cross(b - a, c - a));
     if (std::abs(dot(normal, frame.base_normal)) < min_cosine) continue;
-    if (depth_below_base_mm(frame, (a + b + c) / 3) < highest + near_mm)
+    if (depth_below_base_mm(frame, (a + b + c) / 3) < highest + priors::base_cut_mm)
       rows.insert(rows.end(), corner.begin(), corner.end());
   }
   sort_unique(rows);
@@ -78,7 +79,6 @@ Rows rows_of_cut(const Wall& wall, const ventricles::HeartFrame& frame) {
 
 /// The epicardium around the place of one ventricle that lies farthest from the base along the axis.
 Rows apex_rows(const Wall& wall, Region ventricle, const Rows& epicardium, const ventricles::HeartFrame& frame) {
-  constexpr double radius_mm = 5;
   std::vector<std::uint8_t> own(wall.matrix.nodes.size());
   for (std::size_t c = 0; c < wall.matrix.cells.size(); ++c)
     if (wall.mesh->region[static_cast<std::size_t>(wall.matrix.cells[c])] == tag(ventricle))
@@ -91,7 +91,7 @@ Rows apex_rows(const Wall& wall, Region ventricle, const Rows& epicardium, const
   }
   Rows rows;
   for (const auto r : epicardium)
-    if (own[static_cast<std::size_t>(r)] && norm(wall.at(r) - apex) < radius_mm) rows.push_back(r);
+    if (own[static_cast<std::size_t>(r)] && norm(wall.at(r) - apex) < priors::apex_radius_mm) rows.push_back(r);
   return rows;
 }
 

@@ -11,7 +11,4 @@ namespace heartgen::image {
 /// median of all values, but hardly this one. Sorts `values`.
 double modal_intensity(std::vector<float>& values, double width_hu);
 
-/// Wide enough for muscle under the noise of a CT, and too narrow for its mixtures with fat.
-constexpr double muscle_window_hu = 50;
-
 }  // namespace heartgen::image

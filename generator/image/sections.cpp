@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::image {
 namespace {
@@ -75,9 +76,9 @@ struct Trial {
 /// Larger shifts and tilts must pay: the area has to fall by about 0.4 % times shift^1.5 (mm).
 std::optional<Trial> try_plane(const Volume<float>& blood, const Vec3& centre, const Vec3& normal, double shift_mm,
                                double tilt) {
-  constexpr double search_mm = 4.5, min_mm2 = 100, per_shift = 0.004, per_tilt = 0.5;
+  constexpr double search_mm = 4.5, per_shift = 0.004, per_tilt = 0.5;
   const auto section = section_at(blood, centre + shift_mm * normal, normal, search_mm);
-  if (!section || section->area_mm2 < min_mm2) return std::nullopt;
+  if (!section || section->area_mm2 < priors::smallest_valve_mm2) return std::nullopt;
   const double penalty = per_shift * math::pow(std::abs(shift_mm), 1.5) + per_tilt * (1 - math::cos(tilt));
   return Trial{section->area_mm2 * (1 + penalty), {*section, normal}};
 }

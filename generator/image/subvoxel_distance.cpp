@@ -10,12 +10,12 @@
 #include "generator/image/isotropic_distance.hpp"
 #include "generator/image/voxel_layers.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::image {
 namespace {
 
 constexpr float half = 0.5F;
-constexpr double reach_mm = 12;  // off the surface: as far as walls are thick
 
 /// Where the mask says that a surface runs next to a voxel, and where it runs by the share.
 struct NextTo {
@@ -104,7 +104,7 @@ class MeanAround {
 
 /// A surface that moves takes the distances on either side of it along.
 void continue_changes(Changes& changes) {
-  const auto layers = static_cast<int>(reach_mm / changes.known.grid.spacing_mm.x);
+  const auto layers = static_cast<int>(priors::wall_reach_mm / changes.known.grid.spacing_mm.x);
   const MeanAround mean(changes);
   Mask seen = changes.known;
   auto front = known_voxels(seen);

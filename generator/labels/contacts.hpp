@@ -7,12 +7,12 @@
 #include <numeric>
 
 #include "model/labels.hpp"
+#include "model/priors.hpp"
 #include "model/volume.hpp"
 
 namespace heartgen::labels {
 
-constexpr double far_more = 2;   ///< as much contact as with the right neighbour, before it is a mistake
-constexpr double min_mm2 = 100;  ///< less than the smallest valve
+constexpr double far_more = 2;  ///< as much contact as with the right neighbour, before it is a mistake
 
 /// Areas over which voxels of two regions touch.
 struct Contacts {
@@ -37,7 +37,8 @@ struct Contacts {
   }
   /// Whether `region` touches `wrong` as it should touch `right`, which is there.
   bool prefers(Region region, Region wrong, Region right) const {
-    return is_there[tag(right)] && of(region, wrong) > min_mm2 && of(region, wrong) > far_more * of(region, right);
+    return is_there[tag(right)] && of(region, wrong) > priors::smallest_valve_mm2 &&
+           of(region, wrong) > far_more * of(region, right);
   }
 };
 

@@ -14,12 +14,13 @@
 #include "generator/image/masks.hpp"
 #include "generator/labels/contacts.hpp"
 #include "model/crop.hpp"
+#include "model/priors.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::labels {
 namespace {
 
 constexpr double gap_voxels = 2;
-constexpr double bright_gap_mm = 6;  // masks of great vessels end before the valve's sinuses
 
 double coarsest_mm(const Grid& grid) { return std::max({grid.spacing_mm.x, grid.spacing_mm.y, grid.spacing_mm.z}); }
 
@@ -42,24 +43,23 @@ std::optional<double> median_hu(const CtVolume& ct, const auto& accept) {
 
 /// Of the given wall, else of what lies around the left ventricle's blood.
 std::optional<double> muscle_of(const Scene& scene) {
-  constexpr float from_mm = 3, to_mm = 7;
   const auto given =
       median_hu(scene.ct, [&](std::size_t v) { return scene.given.voxels[v] == tag(Region::lv_myocardium); });
   if (given) return given;
   const auto distance = image::distance_to(image::mask_of(scene.chambers, Region::lv_blood));
   return median_hu(scene.ct, [&](std::size_t v) {
-    return scene.chambers.voxels[v] == 0 && distance.voxels[v] > from_mm && distance.voxels[v] < to_mm;
+    return scene.chambers.voxels[v] == 0 && distance.voxels[v] > priors::given_muscle_from_mm &&
+           distance.voxels[v] < priors::given_muscle_to_mm;
   });
 }
 
 /// The grey value midway between a pair's blood and muscle; none where the CT does not tell them apart.
 std::optional<double> min_blood_hu(const Scene& scene, const ValvePair& pair) {
-  constexpr double min_contrast_hu = 60;
   if (scene.ct.voxels.empty()) return std::nullopt;
   const auto blood = median_hu(scene.ct, [&](std::size_t v) {
     return scene.chambers.voxels[v] == tag(pair.from) || scene.chambers.voxels[v] == tag(pair.to);
   });
-  if (!blood || *blood - scene.muscle_hu < min_contrast_hu) return std::nullopt;
+  if (!blood || *blood - scene.muscle_hu < tissue::valve_contrast_min_hu) return std::nullopt;
   return 0.5 * (*blood + scene.muscle_hu);
 }
 
@@ -105,7 +105,8 @@ Volume<float> width_between(const Volume<float>& from, const Volume<float>& to) 
 std::optional<double> max_width_mm(const Scene& scene, const Volume<float>& width, bool is_seen) {
   const double voxel_mm = coarsest_mm(scene.chambers.grid), gap_mm = (gap_voxels + 1) * voxel_mm;
   const auto narrowest = static_cast<double>(*std::min_element(width.voxels.begin(), width.voxels.end()));
-  const double max_mm = is_seen ? std::max(bright_gap_mm, gap_mm) : std::min(gap_mm, narrowest + voxel_mm);
+  const double max_mm =
+      is_seen ? std::max<double>(priors::valve_gap_max_mm, gap_mm) : std::min(gap_mm, narrowest + voxel_mm);
   return narrowest <= max_mm ? std::optional(max_mm) : std::nullopt;
 }
 
@@ -135,14 +136,12 @@ bool occurs(const LabelVolume& labels, Region region) {
 
 }  // namespace
 
-const std::vector<ValvePair>& valve_pairs() {
+std::vector<ValvePair> valve_pairs() {
   using enum Region;
-  // Half of an adult's annuli, of 8, 4, 10 and 4 cm2.
-  static const std::vector<ValvePair> pairs = {{la_blood, lv_blood, "mitral_orifice", 400},
-                                               {lv_blood, aorta, "aortic_orifice", 200},
-                                               {ra_blood, rv_blood, "tricuspid_orifice", 500},
-                                               {rv_blood, pulmonary_artery, "pulmonary_orifice", 200}};
-  return pairs;
+  return {{la_blood, lv_blood, "mitral_orifice", priors::mitral_open_mm2},
+          {lv_blood, aorta, "aortic_orifice", priors::aortic_open_mm2},
+          {ra_blood, rv_blood, "tricuspid_orifice", priors::tricuspid_open_mm2},
+          {rv_blood, pulmonary_artery, "pulmonary_orifice", priors::pulmonary_open_mm2}};
 }
 
 LabelVolume with_closed_gaps(LabelVolume chambers, const LabelVolume& given, const CtVolume* ct) {

@@ -17,7 +17,7 @@ struct ValvePair {
   const char* orifice;  ///< the surface where they meet
   double open_mm2;      ///< contact of an open valve, at least
 };
-const std::vector<ValvePair>& valve_pairs();
+std::vector<ValvePair> valve_pairs();
 
 /// Gives what lies between the blood of neighbouring chambers that hardly touch, one of them given, to the nearer one:
 /// where the CT tells blood from muscle, what is as bright as blood; else what is as narrow as the narrowest place and

@@ -11,6 +11,7 @@
 #include "generator/image/distance.hpp"
 #include "generator/image/masks.hpp"
 #include "model/crop.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::labels {
 namespace {
@@ -126,7 +127,6 @@ double absorb_crumbs_of(LabelVolume& labels, const Pieces& pieces, double limit_
 }  // namespace
 
 std::vector<Warning> drop_islands(LabelVolume& labels) {
-  constexpr double min_vessel_mm3 = 1000;
   const Box box = bounding_box(labels, 1, is_of_heart);
   if (box.empty()) return {};
   LabelVolume part = crop(labels, box);
@@ -140,7 +140,8 @@ std::vector<Warning> drop_islands(LabelVolume& labels) {
     for (std::size_t v = 0; v < part.voxels.size(); ++v) {
       const auto piece = static_cast<std::size_t>(pieces.parts.label.voxels[v]);
       if (piece == 0 || main.voxels[v]) continue;
-      const bool is_large = static_cast<double>(pieces.parts.voxel_count[piece]) * voxel_mm3 >= min_vessel_mm3;
+      const bool is_large =
+          static_cast<double>(pieces.parts.voxel_count[piece]) * voxel_mm3 >= priors::great_vessel_piece_min_mm3;
       if (is_vessel(pieces.label) && is_large) continue;
       if (distance.voxels.empty()) distance = image::distance_to(main);
       part.voxels[v] = 0;

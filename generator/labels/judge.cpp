@@ -12,6 +12,8 @@
 #include "generator/labels/swapped_labels.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
+#include "model/priors.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::labels {
 namespace {
@@ -25,18 +27,18 @@ std::array<double, 256> volumes_ml(const LabelVolume& labels) {
 /// Two cavities of one heart, and how many times the other's volume one can have.
 struct Companions {
   Region one, other;
-  double most;
+  const Number* most;
 };
 
-constexpr std::array companions = {Companions{Region::lv_blood, Region::rv_blood, 8},
-                                   Companions{Region::la_blood, Region::lv_blood, 20},
-                                   Companions{Region::ra_blood, Region::rv_blood, 20}};
+constexpr std::array companions = {Companions{Region::lv_blood, Region::rv_blood, &priors::lv_to_rv_volume_max},
+                                   Companions{Region::la_blood, Region::lv_blood, &priors::la_to_lv_volume_max},
+                                   Companions{Region::ra_blood, Region::rv_blood, &priors::ra_to_rv_volume_max}};
 
 /// The first pair that no heart has; null where there is none.
 const Companions* mismatch_in(const std::array<double, 256>& ml) {
   for (const auto& pair : companions) {
     const double one = ml[tag(pair.one)], other = ml[tag(pair.other)];
-    if (one > 0 && other > 0 && std::max(one, other) > pair.most * std::min(one, other)) return &pair;
+    if (one > 0 && other > 0 && std::max(one, other) > *pair.most * std::min(one, other)) return &pair;
   }
   return nullptr;
 }
@@ -90,13 +92,13 @@ constexpr const char* same_patient =
 
 /// Where the blood is enhanced, hardly any of the wall is as bright.
 void refuse_bright_wall(const LabelVolume& labels, const CtVolume& ct, const std::string& path) {
-  constexpr double enhanced_hu = 100, most = 0.3;
+  constexpr double most = 0.3;
   auto blood = grey_of(labels, ct, Region::lv_blood), wall = grey_of(labels, ct, Region::lv_myocardium);
   if (blood.empty() || wall.empty()) return;
   const double blood_hu = median_of(blood);
   std::sort(wall.begin(), wall.end());
   const double low_hu = wall[wall.size() / 4];
-  if (blood_hu - low_hu < enhanced_hu) return;
+  if (blood_hu - low_hu < tissue::blood_enhanced_hu) return;
   const auto limit = static_cast<std::int16_t>(0.5 * (blood_hu + low_hu));
   const auto bright = static_cast<double>(wall.end() - std::upper_bound(wall.begin(), wall.end(), limit));
   const double share = bright / static_cast<double>(wall.size());
@@ -159,14 +161,13 @@ void refuse_no_heart(const LabelVolume& labels, const std::string& path) {
 }
 
 void refuse_labels_beside_heart(const LabelVolume& labels, const CtVolume& ct, const std::string& path) {
-  constexpr int lung_hu = -200;
   constexpr double most = 0.1;  // of true labels, a hundredth: partial volumes at the lungs
   std::int64_t heart = 0, in_air = 0;
   for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
     const auto region = static_cast<Region>(labels.voxels[v]);
     if (!is_myocardium(region) && !is_blood(region)) continue;
     ++heart;
-    in_air += ct.voxels[v] < lung_hu;
+    in_air += ct.voxels[v] < tissue::heart_label_air_max_hu;
   }
   const double share = heart == 0 ? 0 : static_cast<double>(in_air) / static_cast<double>(heart);
   if (share > most)
@@ -176,7 +177,6 @@ void refuse_labels_beside_heart(const LabelVolume& labels, const CtVolume& ct, c
 }
 
 void refuse_organs_in_heart(const LabelVolume& given, const LabelVolume& chambers, const std::string& path) {
-  constexpr float thinnest_wall_mm = 5;
   constexpr double most = 0.04;  // of the zone: true organs reach no heart
   const Box box = bounding_box(chambers, 4, [](std::uint8_t label) { return is_blood(static_cast<Region>(label)); });
   if (box.empty()) return;
@@ -188,7 +188,7 @@ void refuse_organs_in_heart(const LabelVolume& given, const LabelVolume& chamber
   double zone = 0;
   std::array<double, 256> inside{};
   for (std::size_t v = 0; v < found.voxels.size(); ++v) {
-    if (!is_blood(static_cast<Region>(found.voxels[v])) && distance.voxels[v] > thinnest_wall_mm) continue;
+    if (!is_blood(static_cast<Region>(found.voxels[v])) && distance.voxels[v] > priors::lv_surroundings_mm) continue;
     ++zone;
     ++inside[organs.voxels[v]];
   }

@@ -11,6 +11,7 @@
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::labels {
 namespace {
@@ -39,14 +40,14 @@ std::optional<Vec3> middle_of(const LabelVolume& labels, Region region) {
 
 /// Whether points lie on a line, or nearly: then rotation about it is open.
 bool on_one_line(const std::vector<CommonMark>& marks) {
-  constexpr double min_width_mm = 5;
   const Vec3 start = marks[0].heart_mm;
   Vec3 along;
   for (const auto& mark : marks)
     if (norm(mark.heart_mm - start) > norm(along)) along = mark.heart_mm - start;
   const Vec3 way = normalized(along);
-  return std::all_of(marks.begin(), marks.end(),
-                     [&](const CommonMark& mark) { return norm(cross(way, mark.heart_mm - start)) < min_width_mm; });
+  return std::all_of(marks.begin(), marks.end(), [&](const CommonMark& mark) {
+    return norm(cross(way, mark.heart_mm - start)) < priors::marks_width_min_mm;
+  });
 }
 
 /// Corners of a grid's field of view.

@@ -7,6 +7,7 @@
 
 #include "generator/labels/contacts.hpp"
 #include "model/error.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::labels {
 namespace {
@@ -33,7 +34,7 @@ double middle_x_mm(const LabelVolume& labels, Region region) {
 double thickness_mm(const LabelVolume& labels, const Contacts& contacts, Region wall, Region blood) {
   const auto voxels = std::count(labels.voxels.begin(), labels.voxels.end(), tag(wall));
   const double area = contacts.of(wall, blood);
-  return area > min_mm2 ? static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / area : 0;
+  return area > priors::smallest_valve_mm2 ? static_cast<double>(voxels) * labels.grid.voxel_volume_mm3() / area : 0;
 }
 
 /// Either alone may be a disease, or a heart on the right.
@@ -55,7 +56,8 @@ void refuse_exchanged_regions(const LabelVolume& labels, const std::string& path
       throw UserError(fmt::format("{} and {} seem to be exchanged: {}", one, other, why), path,
                       "correct the label map, labels.preset or [labels.regions]");
   };
-  refuse_where(c.outside(lv_blood) > min_mm2 + far_more * c.outside(lv_myocardium) && c.is_there[tag(lv_myocardium)],
+  refuse_where(c.outside(lv_blood) > priors::smallest_valve_mm2 + far_more * c.outside(lv_myocardium) &&
+                   c.is_there[tag(lv_myocardium)],
                "lv_blood", "lv_myocardium", "the blood lies around the wall");
   refuse_where(c.prefers(lv_myocardium, la_blood, lv_blood), "lv_blood", "la_blood",
                "lv_myocardium lies around la_blood");

@@ -9,6 +9,7 @@
 #include "generator/image/morphology.hpp"
 #include "generator/image/statistics.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/tissue.hpp"
 
 namespace heartgen::landmarks {
 namespace {
@@ -82,7 +83,7 @@ void measure_shell(const Volume<float>& smooth, const Mask& muscle, const Volume
   if (shell == 0) return;
   pool.muscle_share = in_muscle / shell;
   pool.fat_or_air_share = dark / shell;
-  pool.shell_hu = image::modal_intensity(grey, image::muscle_window_hu);
+  pool.shell_hu = image::modal_intensity(grey, tissue::muscle_window_hu);
 }
 
 void measure_grey(const Volume<float>& hu, const Volume<float>& smooth, const Volume<float>& depth,

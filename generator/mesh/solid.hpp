@@ -8,7 +8,7 @@ namespace heartgen::mesh {
 
 /// What is narrower than these a mesh is not asked to follow.
 struct Narrowest {
-  double wall_mm = 1, gap_mm = 1;
+  double wall_mm = 0, gap_mm = 0;
 };
 
 /// Signed distance (mm, negative inside, up to 3 mm or three times the wider of `narrowest`) of all walls of the heart

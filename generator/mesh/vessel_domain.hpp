@@ -19,7 +19,7 @@ struct VesselDomain {
   LevelSet distance_mm;     ///< to the lumen's surface, on the same grid; negative inside
   double edge_mm = 1;       ///< away from the wall
   double wall_edge_mm = 1;  ///< at the wall
-  double stub_mm = 1;       ///< length of the stubs
+  double stub_mm = 0;       ///< length of the stubs
 };
 
 constexpr int lumen_label = 1;

@@ -31,7 +31,7 @@ constexpr double junction_edges = 1.5;  // junctions of walls are smoothed by so
 constexpr double narrowest_part_edges = 1, blunt_junction_edges = 1;
 // Sheets nearer than these could pass through each other. The end of a gap is as round as the gap is wide: in narrower
 // ones than an edge or so, between papillary muscles and at the grooves' bottoms, no face fits.
-constexpr double narrowest_mm = 1, thinnest_wall_edges = 0.8, narrowest_gap_edges = 1.6;
+constexpr double narrowest_voxels_mm = 1, thinnest_wall_edges = 0.8, narrowest_gap_edges = 1.6;
 constexpr std::int64_t margin = 8;  // voxels around the walls
 constexpr std::int64_t crumb_cells = 30;
 
@@ -299,8 +299,8 @@ WallLevelSets wall_level_sets(const LabelVolume& labels, const MeshSettings& set
   WallLevelSets walls;
   walls.domain = make_domain(crop(labels, box), settings);
   walls.solid = wall_level_set(walls.domain, voxel_mm,
-                               {.wall_mm = std::max(narrowest_mm, thinnest_wall_edges * settings.heart_edge_mm),
-                                .gap_mm = std::max(narrowest_mm, narrowest_gap_edges * settings.heart_edge_mm)});
+                               {.wall_mm = std::max(narrowest_voxels_mm, thinnest_wall_edges * settings.heart_edge_mm),
+                                .gap_mm = std::max(narrowest_voxels_mm, narrowest_gap_edges * settings.heart_edge_mm)});
   walls.signs = signs_of(walls.solid);
   for (const auto& share : walls.domain.shares) {
     if (!is_wall(share.label)) continue;

@@ -131,7 +131,7 @@ Filter make_sobolev() {
   return {{"sobolev",
            "Sobolev smoothing (thesis 3.3)",
            "min ∫ length² |∇u|² + (u - g)² (3.4)",
-           {{"length_mm", d.length_mm, "details smaller than this are smoothed"},
+           {{"length_mm", d.smoothing_mm, "details smaller than this are smoothed"},
             {"tolerance", d.tolerance, "relative error of the solution"}}},
           [](Image& image, const Values& p, const Comm& comm) {
             sobolev(image, {p["length_mm"], p["tolerance"]}, comm);

@@ -66,15 +66,15 @@ double largest_extent(const Grid& grid) {
 }  // namespace
 
 void sobolev(Slab<float>& image, const SobolevSettings& settings, const Comm& comm) {
-  if (!(settings.length_mm >= 0)) throw UserError("length_mm must not be negative", "sobolev", "");
+  if (!(settings.smoothing_mm >= 0)) throw UserError("length_mm must not be negative", "sobolev", "");
   if (!(settings.tolerance > 0 && settings.tolerance < 1))
     throw UserError("tolerance must lie in (0, 1)", "sobolev", "1e-4 is the usual value");
   const double max_mm = max_extents * largest_extent(image.grid);
-  if (settings.length_mm > max_mm)
+  if (settings.smoothing_mm > max_mm)
     throw UserError(
-        fmt::format("length_mm is {:g}, the image's longest side {:g} mm", settings.length_mm, max_mm / max_extents),
+        fmt::format("length_mm is {:g}, the image's longest side {:g} mm", settings.smoothing_mm, max_mm / max_extents),
         "sobolev", fmt::format("give at most {:g}: there the image has become its mean", max_mm));
-  const double length = settings.length_mm / smallest_spacing(image.grid);
+  const double length = settings.smoothing_mm / smallest_spacing(image.grid);
   const AxisWeights laplacian = squared(axis_weights(image.grid), length * length);
   const double largest = 1 + 4 * (double{laplacian.x} + laplacian.y + laplacian.z);
   if (!(largest > 1)) return;

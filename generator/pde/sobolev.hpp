@@ -9,7 +9,7 @@
 namespace heartgen::pde {
 
 struct SobolevSettings {
-  double length_mm = 1;     ///< details smaller than this are smoothed; 1 in the thesis (pixels)
+  double smoothing_mm = 1;  ///< details smaller than this are smoothed; 1 in the thesis (pixels)
   double tolerance = 1e-4;  ///< bound of the remaining error, relative to the error of u = g
 };
 

@@ -28,6 +28,7 @@
 #include "model/error.hpp"
 #include "model/input_file.hpp"
 #include "model/labels.hpp"
+#include "model/priors.hpp"
 #include "model/text.hpp"
 #include "validation/uses.hpp"
 
@@ -123,16 +124,16 @@ void check_late_files(const Recipe& recipe) {
 }  // namespace
 
 void check_edges(const MeshSettings& settings) {
-  constexpr double longest_mm = 1000;  // no edge of a patient's mesh
+  constexpr double longest_edge_mm = 1000;  // no edge of a patient's mesh
   const std::map<std::string, double> edges{{"heart_edge_mm", settings.heart_edge_mm},
                                             {"blood_edge_mm", settings.blood_edge_mm},
                                             {"torso_edge_mm", settings.torso_edge_mm},
                                             {"trachea_edge_mm", settings.trachea_edge_mm},
                                             {"carotid_edge_mm", settings.carotid_edge_mm}};
   for (const auto& [name, edge] : edges)
-    if (!(edge > 0 && edge <= longest_mm))
+    if (!(edge > 0 && edge <= longest_edge_mm))
       throw UserError(fmt::format("an edge of {:g} mm", edge), "mesh." + name,
-                      fmt::format("give a positive length of at most {:g} mm", longest_mm));
+                      fmt::format("give a positive length of at most {:g} mm", longest_edge_mm));
 }
 
 bool wants(const Recipe& recipe, const std::string& mesh) {
@@ -191,17 +192,16 @@ void refuse_cut_ventricles(const LabelVolume& labels, const anatomy::Padding& pa
 }
 
 void refuse_cut_ventricles(double cut_cm2) {
-  constexpr double max_cm2 = 3;  // a whole section: 15 and more
-  if (cut_cm2 > max_cm2)
+  if (cut_cm2 > priors::ventricles_cut_max_cm2)
     throw UserError(fmt::format("the field of view cuts the ventricles, over {:.0f} cm2", cut_cm2), "CT",
                     "use a scan that shows the whole heart, or give labels of it");
 }
 
 void refuse_mirrored_heart(const LabelVolume& labels, const Landmarks& landmarks) {
-  constexpr double coarse_mm = 2, clearly = -0.3;
+  constexpr double grid_mm = 2, clearly = -0.3;
   std::optional<double> handedness;
   try {
-    const auto ventricles = ventricles::ventricles_of_labels(labels, landmarks, coarse_mm);
+    const auto ventricles = ventricles::ventricles_of_labels(labels, landmarks, grid_mm);
     handedness = ventricles::heart_handedness(labels, landmarks, ventricles.frame);
   } catch (const UserError&) {
     return;  // walls too thin for this grid, for one

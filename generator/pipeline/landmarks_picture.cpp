@@ -41,8 +41,8 @@ std::int64_t slice_through(const Grid& grid, int patient_axis, const Vec3& lps_m
 
 /// With the distance from the slice, where that is more than the chambers' outlines show.
 void draw_seed(SliceCanvas& slice, const std::string& name, const Vec3& seed) {
-  constexpr double half_px = 4, near_mm = 40;
-  if (std::abs(slice.off_mm(seed)) > near_mm) return;
+  constexpr double half_px = 4, picture_slab_mm = 40;
+  if (std::abs(slice.off_mm(seed)) > picture_slab_mm) return;
   const Point2 at = slice.at(seed);
   report::draw_line(slice.canvas, {at.x - half_px, at.y}, {at.x + half_px, at.y}, 1.5, white);
   report::draw_line(slice.canvas, {at.x, at.y - half_px}, {at.x, at.y + half_px}, 1.5, white);
@@ -66,12 +66,12 @@ void draw_valve(SliceCanvas& slice, const std::string& name, const ValvePlane& v
 
 SliceCanvas draw_slice(const CtVolume& ct, const landmarks::SearchResult& result, SlicePlane plane, int axis) {
   constexpr int side_px = 480;
-  constexpr double field_mm = 230;
+  constexpr double picture_field_mm = 230;
   const Vec3 middle = middle_of(result.found.landmarks);
   report::SliceOptions options;
   options.width_px = side_px;
   options.center_mm = middle;
-  options.field_mm = field_mm;
+  options.field_mm = picture_field_mm;
   options.legend = plane == SlicePlane::axial;
   auto slice = report::slice_canvas(&ct, &result.chambers, plane, slice_through(ct.grid, axis, middle), options);
   for (const auto& [name, valve] : result.found.landmarks.valves) draw_valve(slice, name, valve);

@@ -21,7 +21,7 @@ namespace heartgen::pipeline {
 namespace {
 
 constexpr const char* key = "mesh.resolutions_mm";
-constexpr double finest_mm = 0.4, coarsest_mm = 3;
+constexpr double finest_edge_mm = 0.4, coarsest_edge_mm = 3;
 
 void refuse_too_fine(double needed_bytes, double edge_mm, const char* setting, double memory_bytes) {
   if (memory_bytes <= 0 || needed_bytes <= memory_bytes) return;
@@ -56,9 +56,10 @@ std::string resolution_name(double edge_mm) { return fmt::format("myocardium_{:g
 void check_resolutions(const MeshSettings& settings) {
   std::set<std::string> names;
   for (const double edge : settings.resolutions_mm) {
-    if (!(edge >= finest_mm && edge <= coarsest_mm))
-      throw UserError(fmt::format("the edge {:g} mm is outside {:g} to {:g} mm", edge, finest_mm, coarsest_mm), key,
-                      "correct the list");
+    if (!(edge >= finest_edge_mm && edge <= coarsest_edge_mm))
+      throw UserError(
+          fmt::format("the edge {:g} mm is outside {:g} to {:g} mm", edge, finest_edge_mm, coarsest_edge_mm), key,
+          "correct the list");
     if (!names.insert(resolution_name(edge)).second)
       throw UserError(fmt::format("the edge {:g} mm is there twice", edge), key, "name every edge once");
   }

@@ -33,7 +33,7 @@ Vec3 widest_cell(const Complex& c) {
 }  // namespace
 
 std::size_t Slabs::of(const Vec3& p) const {
-  const double number = (p[axis] - low_mm) / width_mm;
+  const double number = (p[axis] - low_mm) / step_mm;
   return number <= 0 ? 0 : std::min(static_cast<std::size_t>(number), count - 1);
 }
 

@@ -14,7 +14,7 @@ namespace heartgen::tetmesh {
 
 struct Slabs {
   int axis = 0;
-  double low_mm = 0, width_mm = 1;
+  double low_mm = 0, step_mm = 1;
   std::size_t count = 1;
   std::size_t of(const Vec3& p) const;
 };

@@ -11,14 +11,14 @@
 #include "generator/parallel/threads.hpp"
 #include "model/crop.hpp"
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::ventricles {
 namespace {
 
-constexpr double below_voxels = 0.9;    // the nearest voxel is never above a plane: half a diagonal is 0.87
-constexpr double lever_mm = 5;          // slopes are taken over as much; shorter, and steps of voxels show in them
-constexpr double straightened_mm = 10;  // walls straighten over as much
-constexpr double around_mm = 6;         // distances next to what is looked at must be right
+constexpr double below_voxels = 0.9;  // the nearest voxel is never above a plane: half a diagonal is 0.87
+constexpr double lever_mm = 5;        // slopes are taken over as much; shorter, and steps of voxels show in them
+constexpr double margin_mm = 6;       // distances next to what is looked at must be right
 
 /// Takes what lies above a plane from just below it, along the axis.
 void continue_straight(Volume<std::uint8_t>& parts, const Plane& plane, const Vec3& axis) {
@@ -42,7 +42,7 @@ Box around_plane(const Volume<std::uint8_t>& parts, const Plane& plane, double d
   for (std::size_t v = 0; v < near.voxels.size(); ++v)
     if (depth_below_mm(plane, image::voxel_center(parts.grid, static_cast<std::int64_t>(v))) > depth_mm)
       near.voxels[v] = tag(Part::outside);
-  return bounding_box(near, std::llround(around_mm / parts.grid.spacing_mm.x),
+  return bounding_box(near, std::llround(margin_mm / parts.grid.spacing_mm.x),
                       [](auto v) { return !is(v, Part::outside); });
 }
 
@@ -55,7 +55,8 @@ struct Below {
 Below below(const Plane& plane, const Vec3& axis, const Vec3& point_mm, double near_mm) {
   const double height = -depth_below_mm(plane, point_mm), rise = dot(axis, plane.normal);
   const auto at = [&](double depth_mm) { return point_mm + ((height + depth_mm) / rise) * axis; };
-  return {at(near_mm), at(near_mm + lever_mm), straightened_mm * (1 - math::exp(-height / straightened_mm)) / lever_mm};
+  return {at(near_mm), at(near_mm + lever_mm),
+          priors::wall_straightens_mm * (1 - math::exp(-height / priors::wall_straightens_mm)) / lever_mm};
 }
 
 /// Gives each voxel above the plane to the part whose distance, continued linearly from below, is the least.

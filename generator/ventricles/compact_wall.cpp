@@ -16,7 +16,7 @@ namespace heartgen::ventricles {
 namespace {
 
 constexpr double cell_mm = 1.2;
-constexpr double reach_mm = 8;              // of a fit: a few ridges wide
+constexpr double fit_search_mm = 8;         // of a fit: a few ridges wide
 constexpr std::size_t min_near = 12;        // samples that a fit needs
 constexpr std::size_t samples_per_fit = 3;  // fits change slowly from sample to sample
 constexpr double ridge_noises = 1.5;        // above its floor, in standard deviations of the samples, a ridge begins
@@ -87,8 +87,8 @@ Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, con
   std::vector<double> sorted;
   observations.clear();
   for (const auto& [n, squared] : near) {
-    const Vec3 d = (samples[n].point_mm - at) / reach_mm;
-    const double nearness = 1 - squared / (reach_mm * reach_mm);
+    const Vec3 d = (samples[n].point_mm - at) / fit_search_mm;
+    const double nearness = 1 - squared / (fit_search_mm * fit_search_mm);
     observations.push_back({Row(1, d.x, d.y, d.z), samples[n].thickness_mm, nearness * nearness});
     sorted.push_back(samples[n].thickness_mm);
   }
@@ -105,7 +105,7 @@ Fit floor_fit(const std::vector<ThicknessSample>& samples, const Near& near, con
     for (int slope = 1; slope < 4; ++slope) normal(slope, slope) += slope_damping * normal(0, 0);
     fit = normal.ldlt().solve(right);
   }
-  return {fit(0), Vec3{fit(1), fit(2), fit(3)} / reach_mm};
+  return {fit(0), Vec3{fit(1), fit(2), fit(3)} / fit_search_mm};
 }
 
 using Fits = std::vector<std::optional<Fit>>;
@@ -121,7 +121,7 @@ Fits floor_fits(const std::vector<ThicknessSample>& samples, const adapters::Poi
       const auto n = static_cast<std::size_t>(fit) * samples_per_fit;
       const Vec3& p = samples[n].point_mm;
       const std::array<double, 3> at{p.x, p.y, p.z};
-      tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
+      tree.radiusSearch(at.data(), fit_search_mm * fit_search_mm, near, nanoflann::SearchParams(32, 0, false));
       if (near.size() >= min_near) fits[n] = floor_fit(samples, near, p, ridge_mm, observations);
     }
   });
@@ -217,7 +217,7 @@ CompactWall::~CompactWall() = default;
 
 std::optional<CompactWall::Thickness> CompactWall::at(const Vec3& point_mm) const {
   constexpr std::size_t most = 12;
-  constexpr double width_mm = 3;
+  constexpr double smoothing_mm = 3;
   if (!index_) return std::nullopt;
   std::array<std::size_t, most> nearest{};
   std::array<double, most> squared{};
@@ -226,7 +226,7 @@ std::optional<CompactWall::Thickness> CompactWall::at(const Vec3& point_mm) cons
   Thickness sum;
   double total = 0;
   for (std::size_t n = 0; n < found; ++n) {
-    const double weight = math::exp(-0.5 * (squared[n] - squared[0]) / (width_mm * width_mm));
+    const double weight = math::exp(-0.5 * (squared[n] - squared[0]) / (smoothing_mm * smoothing_mm));
     sum.mm += weight * index_->fits[nearest[n]].value;
     sum.gradient += weight * index_->fits[nearest[n]].slope;
     total += weight;

@@ -18,6 +18,7 @@
 #include "model/crop.hpp"
 #include "model/mathematics.hpp"
 #include "model/mesh_queries/corners.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
 
 namespace heartgen::ventricles {
@@ -27,9 +28,7 @@ constexpr int continued_layers = 5;
 constexpr double ridge_voxels = 0.085;  // of the labels: a first guess of how far above its floor a wall has ridges
 constexpr double no_ridge_mm = std::numeric_limits<double>::infinity();      // where labels show none
 constexpr double min_normal_smoothing_mm = 2, normal_smoothing_share = 0.4;  // of the wall's thickness
-constexpr double min_distance_mm = 0.02;
-constexpr double around_wall_mm = 14;  // as far as a wall's ends change it, and as its coordinates are continued
-constexpr double thick_wall_mm = 6;    // thinner ones have too few voxels across for a quadratic continuation
+constexpr double rounding_mm = 0.02;
 
 struct Surfaces {
   LevelSet endocardium;  ///< distance to the cavity, positive in the wall
@@ -73,10 +72,9 @@ Mask labelled_wall(const Ventricles& ventricles, Part wall) {
 
 /// A wall's voxels clear of its ends, where its surfaces are its own.
 Mask clear_of_ends(Mask wall, const WallEnds& ends) {
-  constexpr double clear_of_other_mm = 6, clear_of_left_mm = 5;
   for (std::size_t v = 0; v < wall.voxels.size(); ++v) {
-    if (ends.to_other.voxels[v] <= clear_of_other_mm) wall.voxels[v] = 0;
-    if (!ends.to_left.voxels.empty() && ends.to_left.voxels[v] <= clear_of_left_mm) wall.voxels[v] = 0;
+    if (ends.to_other.voxels[v] <= priors::clear_of_valves_mm) wall.voxels[v] = 0;
+    if (!ends.to_left.voxels.empty() && ends.to_left.voxels[v] <= priors::clear_of_left_mm) wall.voxels[v] = 0;
   }
   return wall;
 }
@@ -134,22 +132,22 @@ struct CompactShare {
 /// A wall's own surfaces end where it ends. The right wall goes on to the left one, but for a normal the rounded corner
 /// of its cavity is the better witness there; at the outflow valve its cavity goes on, and its epicardium does not.
 CompactShare compact_share(const WallEnds& ends, const Index3& at, double thickness_mm, double measured_mm) {
-  constexpr double alike_mm = 0.8, unlike_mm = 1.6;  // a wall this much off the fit changes faster than the fit follows
-  constexpr double thick_other_mm = 8, thin_other_mm = 4, other_width_mm = 4;
-  constexpr double left_width_mm = 4, left_normals_mm = 4, tract_mm = 2;
+  constexpr double other_blend_mm = 4, left_blend_mm = 4, left_normals_blend_mm = 4;
   const auto [i, j, k] = at;
   const bool right = !ends.to_left.voxels.empty();
-  const double other_mm = right ? thin_other_mm : thick_other_mm;
+  const double other_mm = right ? priors::right_wall_to_valve_mm : priors::left_wall_to_valve_mm;
   CompactShare share;
-  share.all = ramp(ends.to_other(i, j, k), other_mm, other_mm + other_width_mm);
-  if (!right) share.all *= 1 - ramp(std::abs(thickness_mm - measured_mm), alike_mm, unlike_mm);
+  share.all = ramp(ends.to_other(i, j, k), other_mm, other_mm + other_blend_mm);
+  if (!right)
+    share.all *= 1 - ramp(std::abs(thickness_mm - measured_mm), priors::uneven_wall_from_mm, priors::uneven_wall_to_mm);
   share.normals = share.all;
   if (!right) return share;
-  if (!ends.to_outflow.voxels.empty()) share.outside = ramp(ends.to_outflow(i, j, k) - thickness_mm, 0, tract_mm);
+  if (!ends.to_outflow.voxels.empty())
+    share.outside = ramp(ends.to_outflow(i, j, k) - thickness_mm, 0, priors::outflow_tract_mm);
   share.all = share.normals = std::max(share.all, 1 - share.outside);
   const double left_mm = ends.to_left(i, j, k);
-  share.all *= ramp(left_mm, 0, left_width_mm);
-  share.normals *= ramp(left_mm, left_normals_mm, left_normals_mm + left_width_mm);
+  share.all *= ramp(left_mm, 0, left_blend_mm);
+  share.normals *= ramp(left_mm, left_normals_blend_mm, left_normals_blend_mm + left_blend_mm);
   return share;
 }
 
@@ -184,7 +182,7 @@ Between between(const Surfaces& surfaces, const Index3& at) {
 /// The gradient of the depth lies between those of the two distances, nearer to that of the nearer surface.
 void set_voxel(WallCoordinates& c, std::int64_t v, const Between& b) {
   const auto at = static_cast<std::size_t>(v);
-  const double inner = std::max(b.inner_mm, min_distance_mm), outer = std::max(b.outer_mm, min_distance_mm);
+  const double inner = std::max(b.inner_mm, rounding_mm), outer = std::max(b.outer_mm, rounding_mm);
   const double depth = inner / (inner + outer);
   c.known.voxels[at] = 1;
   c.depth.voxels[at] = static_cast<float>(depth);
@@ -300,9 +298,9 @@ bool in_outflow_tract(const WallEnds& ends, const Index3& at, double thickness_m
 /// beyond, and in a thick wall also where the two surfaces are far from parallel.
 std::vector<std::uint8_t> at_basal_end(const std::vector<Index3>& voxels, const std::vector<Between>& wall, bool thick,
                                        double thickness_mm, const WallEnds& wall_end) {
-  constexpr double thick_end_mm = 5, thin_end_mm = 2, thin_end_thicknesses = 0.7;
   constexpr double parallel_cosine = 0.906;  // 25 degrees
-  const double end_mm = thick ? thick_end_mm : thin_end_mm + thin_end_thicknesses * thickness_mm;
+  const double end_mm =
+      thick ? priors::left_end_mm : priors::right_end_mm + priors::right_end_thicknesses * thickness_mm;
   std::vector<std::uint8_t> result(voxels.size());
   for (std::size_t n = 0; n < voxels.size(); ++n) {
     const auto [i, j, k] = voxels[n];
@@ -373,7 +371,7 @@ WallCoordinates coordinates_on_grid(const Ventricles& ventricles, Part wall) {
       use_compact_wall(compact, wall_end, surfaces, voxels[n], at[n] = between(surfaces, voxels[n]));
   });
   const double thickness_mm = median_thickness_mm(at);
-  const bool thick = thickness_mm > thick_wall_mm;
+  const bool thick = thickness_mm > priors::thick_wall_mm;
   const auto ends = at_basal_end(voxels, at, thick, thickness_mm, wall_end);
   if (thick) continue_surfaces(parts.grid, voxels, ends, at);
   WallCoordinates result = nothing_known(parts.grid);
@@ -390,7 +388,7 @@ WallCoordinates coordinates_on_grid(const Ventricles& ventricles, Part wall) {
 WallCoordinates wall_coordinates(const Ventricles& ventricles, Part wall) {
   const Grid& grid = ventricles.parts.grid;
   const Box box =
-      bounding_box(ventricles.parts, static_cast<std::int64_t>(std::ceil(around_wall_mm / grid.spacing_mm.x)),
+      bounding_box(ventricles.parts, static_cast<std::int64_t>(std::ceil(priors::wall_end_mm / grid.spacing_mm.x)),
                    [&](auto v) { return is(v, wall); });
   WallCoordinates result = nothing_known(grid);
   if (box.empty()) return result;

@@ -8,6 +8,7 @@
 #include "generator/image/resample.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/labels.hpp"
+#include "model/priors.hpp"
 
 namespace heartgen::ventricles {
 namespace {
@@ -29,13 +30,12 @@ constexpr std::array<Valve, 4> valves{{{"mitral", Region::lv_blood, Region::la_b
 /// whole base, but farther out only a slab says so: beyond that height other walls may stand there. A root is a tube in
 /// its own wall, and what it does not cover has an outer surface towards its neighbours.
 bool lies_beyond(const Opening& opening, bool inlet, const Vec3& p) {
-  constexpr double inlet_rim_mm = 12, plate_rim_mm = 30, plate_height_mm = 6, root_rim_mm = 4;
   const Vec3 d = p - opening.center_mm;
   const double height = dot(d, opening.normal);
   if (height <= 0) return false;
   const double outside_mm = norm(d - height * opening.normal) - opening.radius_mm;
-  if (!inlet) return outside_mm < root_rim_mm;
-  return outside_mm < inlet_rim_mm || (outside_mm < plate_rim_mm && height < plate_height_mm);
+  if (!inlet) return outside_mm < priors::root_rim_mm;
+  return outside_mm < priors::inlet_rim_mm || (outside_mm < priors::plate_rim_mm && height < priors::plate_height_mm);
 }
 
 std::uint8_t nearest_label(const LabelVolume& labels, const Vec3& p) {
@@ -45,8 +45,7 @@ std::uint8_t nearest_label(const LabelVolume& labels, const Vec3& p) {
 }
 
 constexpr std::size_t min_contacts = 20;
-constexpr double outflow_height_mm = 8;
-constexpr double clear_of_cut_mm = 1.5;  // what lies nearer to the cut's plane is the cut
+constexpr double cut_tolerance_mm = 1.5;  // what lies nearer to the cut's plane is the cut
 
 /// Faces between a cavity and the outside.
 struct Contact {
@@ -61,7 +60,7 @@ std::vector<Contact> contacts_below(const Volume<std::uint8_t>& parts, Part cavi
     for (std::int64_t j = 0; j < g.size[1]; ++j)
       for (std::int64_t i = 0; i < g.size[0]; ++i) {
         if (!is(parts(i, j, k), cavity) ||
-            depth_below_mm(cut, image::voxel_center(g, g.offset(i, j, k))) < clear_of_cut_mm)
+            depth_below_mm(cut, image::voxel_center(g, g.offset(i, j, k))) < cut_tolerance_mm)
           continue;
         Vec3 across;
         for (const auto& s : faces)
@@ -126,19 +125,19 @@ std::vector<Opening> discs_of(const Grid& grid, const std::vector<Contact>& cont
 bool is_whole(const Opening& opening, const Plane& cut) {
   const double slope = dot(opening.normal, cut.normal);
   const double reach_mm = opening.radius_mm * std::sqrt(std::max(0.0, 1 - slope * slope));
-  return depth_below_mm(cut, opening.center_mm) - reach_mm > clear_of_cut_mm;
+  return depth_below_mm(cut, opening.center_mm) - reach_mm > cut_tolerance_mm;
 }
 
 /// An inlet lies in a plate that is the lid of a wider cavity, an outlet at the end of a tube.
 bool lies_in_plate(const Volume<std::uint8_t>& parts, Part cavity, const Opening& opening) {
-  constexpr double near_mm = 2, far_mm = 5, high_mm = -5, low_mm = -8, min_share = 0.4;
+  constexpr double min_share = 0.4;
   double ring = 0, blood = 0;
   for (std::int64_t v = 0; v < parts.grid.voxel_count(); ++v) {
     const Vec3 d = image::voxel_center(parts.grid, v) - opening.center_mm;
     const double height = dot(d, opening.normal);
-    if (height < low_mm || height > high_mm) continue;
+    if (height < priors::plate_ring_bottom_mm || height > priors::plate_ring_top_mm) continue;
     const double beside = norm(d - height * opening.normal) - opening.radius_mm;
-    if (beside < near_mm || beside > far_mm) continue;
+    if (beside < priors::plate_ring_from_mm || beside > priors::plate_ring_to_mm) continue;
     ++ring;
     blood += is(parts.voxels[static_cast<std::size_t>(v)], cavity);
   }
@@ -163,7 +162,7 @@ std::vector<Orifice> orifices_below(const Volume<std::uint8_t>& parts, const Pla
 bool goes_on_to(const Opening& opening, const Vec3& p) {
   const Vec3 d = p - opening.center_mm;
   const double height = dot(d, opening.normal);
-  return height <= outflow_height_mm && norm(d - height * opening.normal) <= opening.radius_mm;
+  return height <= priors::outflow_height_mm && norm(d - height * opening.normal) <= opening.radius_mm;
 }
 
 }  // namespace
@@ -231,7 +230,8 @@ Volume<std::uint8_t> blood_beyond(const LabelVolume& labels, const Grid& grid,
       for (std::int64_t v = begin; v < end; ++v) {
         const Vec3 p = image::voxel_center(grid, v), d = p - opening.center_mm;
         const double height = dot(d, opening.normal);
-        if (std::abs(height) > outflow_height_mm || norm(d - height * opening.normal) > opening.radius_mm) continue;
+        if (std::abs(height) > priors::outflow_height_mm || norm(d - height * opening.normal) > opening.radius_mm)
+          continue;
         if (nearest_label(labels, p) == tag(valve.beyond)) result.voxels[static_cast<std::size_t>(v)] = tag(cavity);
       }
     });

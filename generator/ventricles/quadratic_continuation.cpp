@@ -10,7 +10,7 @@
 namespace heartgen::ventricles {
 namespace {
 
-constexpr double reach_mm = 18, width_mm = 10;
+constexpr double search_mm = 18, smoothing_mm = 10;
 constexpr double scale_mm = 10;  // of the fit's coordinates, so that damping has a meaning
 constexpr double slope_damping = 1e-6, curvature_damping = 0.02;
 constexpr std::size_t min_samples = 20;
@@ -34,7 +34,7 @@ std::optional<QuadraticFit> QuadraticContinuation::operator()(const Vec3& point_
   if (index_->cloud.points.size() < min_samples) return std::nullopt;
   std::vector<std::pair<std::size_t, double>> near;
   const std::array<double, 3> at{point_mm.x, point_mm.y, point_mm.z};
-  index_->tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
+  index_->tree.radiusSearch(at.data(), search_mm * search_mm, near, nanoflann::SearchParams(32, 0, false));
   if (near.size() < min_samples) return std::nullopt;
   const double nearest = std::ranges::min_element(near, {}, [](const auto& n) { return n.second; })->second;
   Eigen::Matrix<double, 10, 10> normal = Eigen::Matrix<double, 10, 10>::Zero();
@@ -43,7 +43,7 @@ std::optional<QuadraticFit> QuadraticContinuation::operator()(const Vec3& point_
     const Vec3 d = (index_->cloud.points[n] - point_mm) / scale_mm;
     Row row;
     row << 1, d.x, d.y, d.z, d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z;
-    const double weight = math::exp(-0.5 * (squared - nearest) / (width_mm * width_mm));
+    const double weight = math::exp(-0.5 * (squared - nearest) / (smoothing_mm * smoothing_mm));
     const Row weighted = weight * row;
     for (int c = 0; c < 10; ++c)  // its lower half is all that is read
       for (int r = c; r < 10; ++r) normal(r, c) += weighted(c) * row(r);

@@ -16,8 +16,8 @@
 namespace heartgen::ventricles {
 namespace {
 
-constexpr double finest_steps = 1.1;  // standard deviation, in steps of the labels: less leaves the steps themselves
-constexpr double coarsest_mm = 6;     // of the scales: beyond, the wall's own curvature would go
+constexpr double finest_steps = 1.1;    // standard deviation, in steps of the labels: less leaves the steps themselves
+constexpr double max_smoothing_mm = 6;  // of the scales: beyond, the wall's own curvature would go
 constexpr double scale_ratio = std::numbers::sqrt2;
 // Details of a rough surface grow from scale to scale at most as the scale does (self-affine, Hurst exponent 1), and
 // ever less; what grows faster is shape.
@@ -199,12 +199,12 @@ LevelSet regularized_surface(const Mask& inside, const Mask& own, double step_vo
 
 LevelSet regularized_surface(const LevelSet& surface, const Mask& own, double step_voxels, const LabelSteps& steps_mm) {
   const double spacing_mm = surface.grid.spacing_mm.x;
-  double sigma_voxels = std::min(finest_steps * step_voxels, coarsest_mm / spacing_mm);
+  double sigma_voxels = std::min(finest_steps * step_voxels, max_smoothing_mm / spacing_mm);
   LevelSet once = image::smoothed(surface, sigma_voxels), twice = image::smoothed(once, sigma_voxels);
   LevelSet detail = unbiased(std::move(once), twice), result = detail;
   OnSurface on;
   double last_noise = std::numeric_limits<double>::infinity(), growth = max_growth;
-  while (sigma_voxels * scale_ratio * spacing_mm <= coarsest_mm) {
+  while (sigma_voxels * scale_ratio * spacing_mm <= max_smoothing_mm) {
     // Twice with one width is once with the next one.
     sigma_voxels *= scale_ratio;
     once = std::move(twice);

@@ -9,13 +9,12 @@
 #include "generator/image/masks.hpp"
 #include "generator/image/resample.hpp"
 #include "generator/parallel/threads.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
 
 namespace heartgen::ventricles {
 namespace {
 
-constexpr double reach_mm = 6;
-constexpr double smooth_base_mm = 9;  // no trabeculae this near to the base, where a wall's surfaces end
 constexpr double surface_smoothing_voxels = 1.5;
 constexpr double low_quantile = 0.05, high_quantile = 0.85;  // not the extremes: single voxels must not decide
 
@@ -73,7 +72,8 @@ std::vector<float> local_quantile(const adapters::PointCloud& cloud, const adapt
     std::vector<float> around;
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
       const std::array<double, 3> at{cloud.points[n].x, cloud.points[n].y, cloud.points[n].z};
-      tree.radiusSearch(at.data(), reach_mm * reach_mm, near, nanoflann::SearchParams(32, 0, false));
+      tree.radiusSearch(at.data(), priors::trabecula_max_mm * priors::trabecula_max_mm, near,
+                        nanoflann::SearchParams(32, 0, false));
       around.clear();
       for (const auto& [point, squared] : near) around.push_back(values[point]);
       result[n] = quantile(around, share);
@@ -86,12 +86,12 @@ std::vector<float> local_quantile(const adapters::PointCloud& cloud, const adapt
 
 void give_trabeculae_to_cavity(Volume<std::uint8_t>& parts, Part wall) {
   const auto to_outside = distance_to_outer_surface(parts, wall);
-  Mask where = trabeculated(parts, smooth_base_mm);
+  Mask where = trabeculated(parts, priors::trabeculae_off_base_mm);
   Endocardium surface = endocardium_of(parts, wall, to_outside, where);
   if (surface.cloud.points.empty()) return;
   // Nearer to the base than a wall is thick, the outside is nearest over its end, and the wall would look thin.
   auto thicknesses_mm = surface.thickness_mm;
-  if (const double thickness_mm = upper_median(thicknesses_mm); thickness_mm > smooth_base_mm) {
+  if (const double thickness_mm = upper_median(thicknesses_mm); thickness_mm > priors::trabeculae_off_base_mm) {
     where = trabeculated(parts, thickness_mm);
     surface = endocardium_of(parts, wall, to_outside, where);
     if (surface.cloud.points.empty()) return;

@@ -21,6 +21,7 @@
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "model/mathematics.hpp"
+#include "model/priors.hpp"
 #include "model/quantile.hpp"
 
 namespace heartgen::ventricles {
@@ -28,8 +29,9 @@ namespace {
 
 constexpr std::array<std::array<int, 3>, 6> faces{
     {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-constexpr double grid_margin_mm = 6;          // as far as the clipped distances of the pose reach
-constexpr double trabeculae_resolved_mm = 2;  // in coarser labels an opening would only follow the voxels' steps
+constexpr double grid_margin_mm = 6;  // as far as the clipped distances of the pose reach
+constexpr double coarsest_spacing_mm =
+    2;  // for trabeculae: in coarser labels an opening would only follow the voxels' steps
 
 template <class Keep>
 std::vector<Vec3> centers_where(const Volume<std::uint8_t>& parts, Keep&& keep) {
@@ -51,7 +53,7 @@ Vec3 mean_of(const std::vector<Vec3>& points) {
 /// Direction of the straight line through the centroids of slices across `axis` that are clear of the base.
 Vec3 centroid_line(const std::vector<Vec3>& lv, const Vec3& base_point, const Vec3& base_normal, const Vec3& axis,
                    double voxel_volume_mm3) {
-  constexpr double slice_mm = 3, clear_mm = 1, used_share = 0.8, min_area_mm2 = 115;
+  constexpr double slice_mm = 3, margin_mm = 1, used_share = 0.8;
   std::vector<double> at_base;
   double deepest = 0;
   for (const Vec3& p : lv) {
@@ -59,7 +61,7 @@ Vec3 centroid_line(const std::vector<Vec3>& lv, const Vec3& base_point, const Ve
     deepest = std::max(deepest, t);
     if (std::abs(dot(p - base_point, base_normal)) < 2.5) at_base.push_back(t);
   }
-  const double from = (at_base.empty() ? 0 : quantile(at_base, 0.98)) + clear_mm;
+  const double from = (at_base.empty() ? 0 : quantile(at_base, 0.98)) + margin_mm;
   const auto slices = static_cast<std::size_t>(std::max(0.0, used_share * (deepest - from) / slice_mm));
   std::vector<Vec3> sum(slices);
   std::vector<double> count(slices);
@@ -71,7 +73,7 @@ Vec3 centroid_line(const std::vector<Vec3>& lv, const Vec3& base_point, const Ve
   }
   std::vector<Vec3> centroids;
   for (std::size_t s = 0; s < slices; ++s)
-    if (count[s] * voxel_volume_mm3 > min_area_mm2 * slice_mm) centroids.push_back(sum[s] / count[s]);
+    if (count[s] * voxel_volume_mm3 > priors::lv_section_min_mm2 * slice_mm) centroids.push_back(sum[s] / count[s]);
   if (centroids.size() < 3) return axis;
   const Vec3 middle = mean_of(centroids);
   AxisTensor spread;
@@ -225,7 +227,7 @@ std::optional<Plane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3& ax
   constexpr std::size_t min_voxels = 100;
   constexpr int rounds = 8;
   constexpr double used_share = 0.6;  // the rest may lie in a valve's orifice below the cut
-  constexpr double flat_mm = 1.5, min_cosine = 0.8;
+  constexpr double tolerance_mm = 1.5, min_cosine = 0.8;
   const Grid& g = parts.grid;
   const auto outside = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     return g.contains(i, j, k) && is(parts(i, j, k), Part::outside);
@@ -249,8 +251,8 @@ std::optional<Plane> cut_plane(const Volume<std::uint8_t>& parts, const Vec3& ax
         plane_through({points.begin(),
                        points.begin() + static_cast<std::ptrdiff_t>(used_share * static_cast<double>(points.size()))});
   }
-  const auto flat =
-      std::count_if(points.begin(), points.end(), [&](const Vec3& p) { return std::abs(height(plane, p)) < flat_mm; });
+  const auto flat = std::count_if(points.begin(), points.end(),
+                                  [&](const Vec3& p) { return std::abs(height(plane, p)) < tolerance_mm; });
   if (static_cast<double>(flat) < used_share * static_cast<double>(points.size()) ||
       std::abs(dot(plane.normal, axis)) < min_cosine)
     return std::nullopt;
@@ -346,7 +348,7 @@ Ventricles ventricles_of_labels(const LabelVolume& labels, const Landmarks& land
     result.beyond = open_orifices(result.parts, *result.cut);
     extrapolate_above_base(result.parts, *result.cut, result.frame.long_axis);
   }
-  if (std::max({voxel.x, voxel.y, voxel.z}) > trabeculae_resolved_mm) return result;
+  if (std::max({voxel.x, voxel.y, voxel.z}) > coarsest_spacing_mm) return result;
   result.trabeculae = image::mask_where(result.parts, is_wall);
   for (const Part wall : {Part::lv_wall, Part::rv_wall}) give_trabeculae_to_cavity(result.parts, wall);
   for (std::size_t v = 0; v < result.parts.voxels.size(); ++v)

@@ -4,26 +4,18 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "architecture/source_files.hpp"
+
 namespace heartgen {
 namespace {
-
-namespace fs = std::filesystem;
-
-const fs::path root = fs::path(HEARTGEN_TESTS_FOLDER).parent_path();
-
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 struct Room {
   std::string name, folder, sentence;
@@ -46,11 +38,7 @@ std::vector<Room> declared() {
 }
 
 std::vector<fs::path> sources() {
-  std::vector<fs::path> found;
-  for (const char* folder : {"model", "generator", "validation", "exporters", "datasets", "benchmarks"})
-    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
-      if (const auto kind = entry.path().extension(); kind == ".cpp" || kind == ".hpp") found.push_back(entry.path());
-  return found;
+  return sources_in({"model", "generator", "validation", "exporters", "datasets", "benchmarks"});
 }
 
 std::string folder_of(const fs::path& source) { return fs::relative(source, root).parent_path().string(); }

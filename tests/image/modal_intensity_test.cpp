@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "model/tissue.hpp"
+
 namespace heartgen::image {
 namespace {
 
@@ -20,12 +22,12 @@ TEST(TypicalGrey, MixturesWithFatHardlyShiftIt) {
     values.push_back(110 + static_cast<float>(n % 41 - 20));         // muscle and noise
     if (n < 900) values.push_back(static_cast<float>(n % 100) - 1);  // every share of fat alike
   }
-  EXPECT_NEAR(image::modal_intensity(values, image::muscle_window_hu), 110, 5);
+  EXPECT_NEAR(image::modal_intensity(values, tissue::muscle_window_hu), 110, 5);
 }
 
 TEST(TypicalGrey, OfNothingIsZero) {
   std::vector<float> none;
-  EXPECT_EQ(image::modal_intensity(none, image::muscle_window_hu), 0);
+  EXPECT_EQ(image::modal_intensity(none, tissue::muscle_window_hu), 0);
 }
 
 }  // namespace

@@ -70,7 +70,10 @@ std::vector<std::byte> read_voxel_bytes(const nifti_image& image, const std::str
   // Only past the last byte, behind other phases, is the checksum compared; a lack of it is no error of reading.
   int state = Z_OK;
   std::vector<std::byte> beyond(1U << 16);
-  while (complete && gzread(file.get(), beyond.data(), static_cast<unsigned>(beyond.size())) > 0) continue;
+  auto left = (std::max(image.nt, 1) - std::max(phase, 1)) * static_cast<std::int64_t>(bytes.size());
+  for (int read = 1; complete && read > 0; left -= read)
+    read = std::max(gzread(file.get(), beyond.data(), static_cast<unsigned>(beyond.size())), 0);
+  complete = complete && left <= 0;
   if (complete) gzerror(file.get(), &state);
   if (!complete || state != Z_OK) throw UserError("is truncated or damaged", path, "copy or download it again");
   if (image.swapsize > 1 && image.byteorder != nifti_short_order())

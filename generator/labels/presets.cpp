@@ -234,16 +234,19 @@ std::optional<Region> region_of_name(const LabelPreset& preset, std::string_view
 }
 
 const LabelPreset* preset_for_names(const std::vector<std::string>& names) {
+  const LabelPreset* best = nullptr;
+  std::size_t most_known = 0;
   for (const auto& preset : label_presets()) {
-    bool knows_all = true, makes_region = false;
+    std::size_t known = 0;
+    bool makes_region = false;
     for (const auto& name : names) {
       const auto region = region_of_name(preset, name);
-      knows_all &= region.has_value();
+      known += region.has_value() ? 1U : 0U;
       makes_region |= region.value_or(none) != none;
     }
-    if (knows_all && makes_region) return &preset;
+    if (makes_region && known > most_known) best = &preset, most_known = known;
   }
-  return nullptr;
+  return best;
 }
 
 const std::vector<LabelPreset>& label_presets() {

@@ -30,7 +30,8 @@ struct LabelPreset {
 /// What a preset makes of a name; nothing where it does not know it.
 std::optional<Region> region_of_name(const LabelPreset& preset, std::string_view name);
 
-/// The first preset that knows all names and makes a region of one; null where there is none.
+/// The first preset that knows all names and makes a region of one; else, of those that make a region of one, the first
+/// that knows the most; null where none does.
 const LabelPreset* preset_for_names(const std::vector<std::string>& names);
 
 /// Stands for whichever makes a heart of the names and values.

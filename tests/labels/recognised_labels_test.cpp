@@ -105,7 +105,8 @@ TEST_F(Recognised, UnknownNamesAreToldAllAtOnce) {
   const auto path = write("unknown.nii", slicer);
   add_names(path, {{1, "LA"}, {2, "gizzard"}, {3, "LV blood"}, {4, "kidney stone"}, {9, "RV blood"}});
   const auto message = testing::error_of([&] { read(path); });
-  EXPECT_NE(message.find("\"gizzard\", \"kidney stone\""), std::string::npos) << message;
+  for (const char* name : {"\"gizzard\"", "\"kidney stone\""})
+    EXPECT_NE(message.find(name), std::string::npos) << message;
 }
 
 TEST_F(Recognised, UnknownValuesAreToldAllAtOnce) {

@@ -94,7 +94,9 @@ bool needs_landmarks(const Build& b) {
   return (b.missing.chambers || b.missing.vessels) && !chambers_are_marked(b.recipe.landmarks);
 }
 
-Noted<CtVolume> read_ct(const Build& b) { return {b.has_ct() ? adapters::read_ct(b.recipe.input.ct, b.recipe.input.phase) : CtVolume{}}; }
+Noted<CtVolume> read_ct(const Build& b) {
+  return {b.has_ct() ? adapters::read_ct(b.recipe.input.ct, b.recipe.input.phase) : CtVolume{}};
+}
 
 /// Without a CT they keep their own grid.
 Noted<LabelVolume> read_given(const Build& b) {

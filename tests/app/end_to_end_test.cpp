@@ -191,7 +191,7 @@ class StagesByHand : public EndToEnd {
  protected:
   static void SetUpTestSuite() {
     folder() = testing::scratch_folder("stages_by_hand").string();
-    const auto phantom = testing::heartgen("phantom phantom --size 124,120,100 --spacing 1.8,1.8,1.8", folder());
+    const auto phantom = testing::heartgen("phantom phantom --size 102,100,82 --spacing 2.2,2.2,2.2", folder());
     ASSERT_EQ(phantom.exit_code, 0) << phantom.errors;
   }
   static constexpr const char* quick =
@@ -309,7 +309,7 @@ TEST_F(StagesByHand, LabelsWithoutACt) {
   const auto result = labels("by_hand/images/labels.nii.gz"), truth = labels("phantom/truth/labels.nii.gz");
   std::size_t dropped = 0;
   for (std::size_t v = 0; v < truth.voxels.size(); ++v) dropped += result.voxels[v] != truth.voxels[v];
-  EXPECT_LE(dropped, 1U) << "a voxel of atrial wall stands alone in the truth";
+  EXPECT_LE(dropped, 4U) << "voxels of the thin atrial walls stand alone in the truth";
   EXPECT_EQ(dropped > 0, told.find("were dropped") != std::string::npos) << told;
 }
 
@@ -319,7 +319,7 @@ TEST_F(StagesByHand, LabelsOfAFileStayWhereNothingWasMeasured) {
   const auto nx = ct.grid.size[0], ny = ct.grid.size[1];
   for (std::size_t v = 0; v < ct.voxels.size(); ++v) {
     const auto i = static_cast<std::int64_t>(v) % nx, j = static_cast<std::int64_t>(v) / nx % ny;
-    if (std::min(i, nx - 1 - i) < 24 || std::min(j, ny - 1 - j) < 24) ct.voxels[v] = -2000;
+    if (std::min(i, nx - 1 - i) < 20 || std::min(j, ny - 1 - j) < 20) ct.voxels[v] = -2000;
   }
   adapters::write_volume(folder() + "/padded.nrrd", ct);
   write_recipe("padded.toml", "[replace]\nlabels = \"phantom/truth/labels.nii.gz\"\n");
@@ -368,7 +368,7 @@ TEST_F(StagesByHand, AHeartThatTheFieldOfViewCutsIsRefusedBeforeTheImageStages) 
   auto ct = adapters::read_ct(folder() + "/phantom/ct.nii.gz");
   const auto truth = labels("phantom/truth/labels.nii.gz");
   auto box = bounding_box(truth, 0, [](std::uint8_t label) { return label == tag(Region::rv_blood); });
-  box = {{0, box.begin[1] + 8, 0}, ct.grid.size};
+  box = {{0, box.begin[1] + 6, 0}, ct.grid.size};
   adapters::write_volume(folder() + "/cut.nrrd", crop(ct, box));
   std::ofstream(folder() + "/cut.toml") << quick;
   const auto refused = testing::heartgen("build cut.toml --ct cut.nrrd --output none --no-cache", folder());
@@ -412,8 +412,8 @@ TEST_F(StagesByHand, TheTreeAloneOnASlice) {
   slice.grid = ct.grid;
   slice.grid.size[2] = 1;
   const auto area = static_cast<std::size_t>(slice.grid.voxel_count());
-  slice.voxels.assign(ct.voxels.begin() + static_cast<std::ptrdiff_t>(50 * area),
-                      ct.voxels.begin() + static_cast<std::ptrdiff_t>(51 * area));
+  slice.voxels.assign(ct.voxels.begin() + static_cast<std::ptrdiff_t>(41 * area),
+                      ct.voxels.begin() + static_cast<std::ptrdiff_t>(42 * area));
   adapters::write_volume(folder() + "/slice.nrrd", slice);
   write_recipe("tree.toml", "");
   const auto serial = testing::heartgen("segment tree.toml slice.nrrd leaves.nii.gz --json", folder());

@@ -156,7 +156,7 @@ TEST(TetGen, EdgesFollowTheirField) {
   Grid grid;
   grid.size = {2, 1, 1};
   grid.spacing_mm = {10, 1, 1};
-  Volume<float> edges(grid, 1.F);
+  Volume<float> edges(grid, 0.5F);
   edges.voxels[1] = 4;  // on the right
   const auto cells = adapters::fill_surfaces({surfaces, edges, {}});
   std::array<std::size_t, 2> count{};

@@ -1,5 +1,9 @@
 # Texts that become parts of the program.
 
+# The version, for programs and for users' own: from project() in the CMakeLists.txt above.
+configure_file(${PROJECT_SOURCE_DIR}/include/heartgen/version.hpp.in ${PROJECT_BINARY_DIR}/include/heartgen/version.hpp @ONLY)
+target_include_directories(heartgen_pipeline PRIVATE ${PROJECT_BINARY_DIR}/include)
+
 # The report's script (its files in this order) and style sheet become string constants.
 set(web ${PROJECT_SOURCE_DIR}/validation/report/web)
 set(REPORT_SCRIPT "")
@@ -41,4 +45,4 @@ find_package(CGAL QUIET)
 find_package(Ceres QUIET)
 set_source_files_properties(${PROJECT_SOURCE_DIR}/generator/pipeline/versions.cpp TARGET_DIRECTORY heartgen_pipeline
   PROPERTIES COMPILE_DEFINITIONS
-  "HEARTGEN_VERSION=\"${PROJECT_VERSION}\";HEARTGEN_ITK_VERSION=\"${ITK_VERSION}\";HEARTGEN_VTK_VERSION=\"${VTK_VERSION}\";HEARTGEN_CGAL_VERSION=\"${CGAL_VERSION}\";HEARTGEN_CERES_VERSION=\"${CERES_VERSION}\";HEARTGEN_HDF5_VERSION=\"${HDF5_VERSION}\"")
+  "HEARTGEN_ITK_VERSION=\"${ITK_VERSION}\";HEARTGEN_VTK_VERSION=\"${VTK_VERSION}\";HEARTGEN_CGAL_VERSION=\"${CGAL_VERSION}\";HEARTGEN_CERES_VERSION=\"${CERES_VERSION}\";HEARTGEN_HDF5_VERSION=\"${HDF5_VERSION}\"")

@@ -10,6 +10,8 @@ find_package(OpenSSL REQUIRED)
 find_package(PNG REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(ZLIB REQUIRED)
+find_library(TETGEN_LIBRARY tet REQUIRED)
+find_path(TETGEN_INCLUDE tetgen.h REQUIRED)
 set(json nlohmann_json::nlohmann_json)
 
 heartgen_room(model FOLDER model
@@ -24,6 +26,9 @@ heartgen_room(parallel FOLDER generator/parallel
 heartgen_room(adapters PARTS FOLDER generator/adapters
   SENTENCE "Foreign libraries behind free functions on plain types"
   DEPENDS model mesh_queries)
+heartgen_room(tetgen_helper FOLDER generator/tetgen_helper
+  SENTENCE "TetGen at work in a program of its own: the only part under the AGPL"
+  DEPENDS model adapters LIBRARIES ${TETGEN_LIBRARY} fmt::fmt)
 heartgen_room(image FOLDER generator/image
   SENTENCE "Distances, morphology, components and statistics of voxels"
   DEPENDS model parallel LIBRARIES fmt::fmt)
@@ -110,5 +115,11 @@ include(${PROJECT_SOURCE_DIR}/cmake/embedded.cmake)
 
 add_executable(heartgen generator/app/main.cpp)
 target_link_libraries(heartgen PRIVATE heartgen_app)
+# TetGen's own program. Nothing else may link heartgen_tetgen_helper: it would be under the AGPL.
+target_include_directories(heartgen_tetgen_helper SYSTEM PRIVATE ${TETGEN_INCLUDE})
+add_executable(heartgen-tetgen generator/tetgen_helper/main.cpp)
+target_include_directories(heartgen-tetgen PRIVATE ${PROJECT_BINARY_DIR}/include)
+target_link_libraries(heartgen-tetgen PRIVATE heartgen_tetgen_helper)
+add_dependencies(heartgen heartgen-tetgen)
 add_executable(heartgen-lab benchmarks/lab/main.cpp)
 target_link_libraries(heartgen-lab PRIVATE heartgen_lab)

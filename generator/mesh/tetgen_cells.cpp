@@ -76,6 +76,14 @@ Complex make_complex(LabelledCells cells, const Complex& old, const std::vector<
   return complex;
 }
 
+/// The edge lengths in the frame of the complex: mm along the axes of the label map's grid from its first voxel.
+Volume<float> along_axes(Volume<float> sizes_mm, const Grid& grid) {
+  const Vec3 index = index_from_lps(grid, sizes_mm.grid.origin_mm);
+  for (int axis = 0; axis < 3; ++axis) sizes_mm.grid.origin_mm[axis] = index[axis] * grid.spacing_mm[axis];
+  sizes_mm.grid.direction = Mat3{};
+  return sizes_mm;
+}
+
 }  // namespace
 
 adapters::SurfaceComplex surfaces_of(const tetmesh::Complex& complex, std::vector<std::int32_t>& old_node) {
@@ -102,13 +110,13 @@ adapters::SurfaceComplex surfaces_of(const tetmesh::Complex& complex, std::vecto
 
 LabelledCells tetgen_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
                            std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells, LatticeReport* report) {
-  if (!adapters::has_tetgen()) return adapters::fill_surfaces({}, {}, {});  // refuses before the work
+  adapters::find_tetgen();  // refuses before the work
   const auto materials = materials_of(domain, sizes_mm);
   const auto lattice = lattice_complex(materials, manifold_sets, crumb_cells, report);
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::int32_t> old_node;
-  const auto surfaces = surfaces_of(lattice, old_node);
-  auto complex = make_complex(adapters::fill_surfaces(surfaces, materials.edge_mm, {}), lattice, old_node, materials);
+  const adapters::FillTask task{surfaces_of(lattice, old_node), along_axes(sizes_mm, domain.grid), {}};
+  auto complex = make_complex(adapters::fill_surfaces(task), lattice, old_node, materials);
   const auto filled = std::chrono::steady_clock::now();
   const tetmesh::RepairSettings repairing;
   const auto below = tetmesh::repair(complex, materials, repairing);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/pipeline/versions.hpp"
 
+#include <heartgen/version.hpp>
+
 namespace heartgen::pipeline {
 
 std::string program_version() { return HEARTGEN_VERSION; }

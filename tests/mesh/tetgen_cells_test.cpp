@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <set>
@@ -14,6 +16,7 @@
 #include "generator/mesh/mesh_heart.hpp"
 #include "mesh/shapes.hpp"
 #include "model/error.hpp"
+#include "support/data.hpp"
 #include "validation/mesh_checks.hpp"
 
 namespace {
@@ -58,8 +61,15 @@ double volume_mm3(const LabelledCells& cells, std::int32_t label) {
   return volume;
 }
 
+/// The same everywhere.
+Volume<float> edges_of(double edge_mm) {
+  Grid grid;
+  grid.size = {1, 1, 1};
+  return Volume<float>(grid, static_cast<float>(edge_mm));
+}
+
 LabelledCells fill(const SurfaceComplex& surfaces, double edge_mm) {
-  return adapters::fill_surfaces(surfaces, [=](const Vec3&) { return edge_mm; }, {});
+  return adapters::fill_surfaces({surfaces, edges_of(edge_mm), {}});
 }
 
 /// A cube of 6 mm around one of 4 mm around one of 2 mm.
@@ -70,26 +80,6 @@ SurfaceComplex nested_cubes() {
   add_cube(surfaces, {2, 2, 2}, 2, 3);
   surfaces.seeds = {{{0.5, 0.5, 0.5}, 7}, {{1.5, 1.5, 1.5}, 2}, {{3, 3, 3}, 5}};
   return surfaces;
-}
-
-/// Tests that need TetGen. (What a program without it says is tested below.)
-class TetGen : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (!adapters::has_tetgen()) GTEST_SKIP() << "built without TetGen";
-  }
-};
-
-TEST(NoTetGen, SaysHowToGetIt) {
-  if (adapters::has_tetgen()) GTEST_SKIP() << "built with TetGen";
-  MeshSettings settings;
-  settings.backend = "tetgen";
-  try {
-    mesh::mesh_labels(label_cube(8, 2, [](const Vec3&) { return Region::torso; }), settings);
-    FAIL() << "meshed without TetGen";
-  } catch (const UserError& error) {
-    EXPECT_NE(error.remedy.find("HEARTGEN_TETGEN=ON"), std::string::npos) << error.message;
-  }
 }
 
 TEST(Backends, AnUnknownOneIsAnsweredWithTheNamesOfAll) {
@@ -104,7 +94,7 @@ TEST(Backends, AnUnknownOneIsAnsweredWithTheNamesOfAll) {
   }
 }
 
-TEST_F(TetGen, FillsNestedShellsExactly) {
+TEST(TetGen, FillsNestedShellsExactly) {
   const auto surfaces = nested_cubes();
   const auto cells = fill(surfaces, 1);
   EXPECT_NEAR(volume_mm3(cells, 7), 6 * 6 * 6 - 4 * 4 * 4, 1e-9);
@@ -112,7 +102,7 @@ TEST_F(TetGen, FillsNestedShellsExactly) {
   EXPECT_NEAR(volume_mm3(cells, 5), 2 * 2 * 2, 1e-9);
 }
 
-TEST_F(TetGen, KeepsEveryNodeAndTriangleOfTheSurfaces) {
+TEST(TetGen, KeepsEveryNodeAndTriangleOfTheSurfaces) {
   const auto surfaces = nested_cubes();
   const auto cells = fill(surfaces, 1);
   ASSERT_GE(cells.nodes_mm.size(), surfaces.nodes_mm.size());
@@ -123,7 +113,7 @@ TEST_F(TetGen, KeepsEveryNodeAndTriangleOfTheSurfaces) {
   for (const auto& f : surfaces.faces) EXPECT_EQ(faces.count({f[0], f[1], f[2]}), 1U);
 }
 
-TEST_F(TetGen, FollowsTheWantedEdge) {
+TEST(TetGen, FollowsTheWantedEdge) {
   SurfaceComplex surfaces;
   add_cube(surfaces, {0, 0, 0}, 10, 10);
   surfaces.seeds = {{{5, 5, 5}, 1}};
@@ -133,7 +123,7 @@ TEST_F(TetGen, FollowsTheWantedEdge) {
   for (const auto* cells : {&coarse, &fine}) EXPECT_NEAR(volume_mm3(*cells, 1), 1000, 1e-8);
 }
 
-TEST_F(TetGen, PiecesWithoutASeedStayEmpty) {
+TEST(TetGen, PiecesWithoutASeedStayEmpty) {
   auto surfaces = nested_cubes();
   surfaces.seeds.pop_back();
   const auto cells = fill(surfaces, 1);
@@ -142,7 +132,7 @@ TEST_F(TetGen, PiecesWithoutASeedStayEmpty) {
   EXPECT_EQ(std::set<std::int32_t>(cells.label.begin(), cells.label.end()), (std::set<std::int32_t>{2, 7}));
 }
 
-TEST_F(TetGen, SameInputSameBits) {
+TEST(TetGen, SameInputSameBits) {
   const auto surfaces = nested_cubes();
   const auto one = fill(surfaces, 1), other = fill(surfaces, 1);
   EXPECT_EQ(one.nodes_mm, other.nodes_mm);
@@ -150,7 +140,7 @@ TEST_F(TetGen, SameInputSameBits) {
   EXPECT_EQ(one.label, other.label);
 }
 
-TEST_F(TetGen, RefusesSurfacesThatCross) {
+TEST(TetGen, RefusesSurfacesThatCross) {
   SurfaceComplex surfaces;
   add_cube(surfaces, {0, 0, 0}, 3, 3);
   add_cube(surfaces, {1.55, 1.45, 1.35}, 3, 3);
@@ -159,7 +149,61 @@ TEST_F(TetGen, RefusesSurfacesThatCross) {
   EXPECT_NEAR(volume_mm3(fill(nested_cubes(), 1), 5), 8, 1e-9) << "and works on afterwards";
 }
 
-TEST_F(TetGen, FillsTheSurfacesOfTheLattice) {
+TEST(TetGen, EdgesFollowTheirField) {
+  SurfaceComplex surfaces;
+  add_cube(surfaces, {0, 0, 0}, 10, 10);
+  surfaces.seeds = {{{5, 5, 5}, 1}};
+  Grid grid;
+  grid.size = {2, 1, 1};
+  grid.spacing_mm = {10, 1, 1};
+  Volume<float> edges(grid, 1.F);
+  edges.voxels[1] = 4;  // on the right
+  const auto cells = adapters::fill_surfaces({surfaces, edges, {}});
+  std::array<std::size_t, 2> count{};
+  for (const auto& cell : cells.cells) {
+    double x = 0;
+    for (const auto n : cell) x += cells.nodes_mm[static_cast<std::size_t>(n)].x / 4;
+    if (std::abs(x - 5) < 4) ++count[x > 5];
+  }
+  EXPECT_GT(count[0], 1.2 * static_cast<double>(count[1]));
+}
+
+/// Programs that are not TetGen's.
+class OtherHelper : public ::testing::Test {
+ protected:
+  std::string message_of(const std::string& script) {
+    const auto folder = scratch_folder("helper");
+    const auto file = folder / "heartgen-tetgen";
+    std::ofstream(file) << "#!/bin/sh\n" << script << "\n";
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+    try {
+      adapters::fill_surfaces({nested_cubes(), edges_of(1), {}}, file);
+    } catch (const UserError& error) {
+      EXPECT_EQ(error.message.find('\n'), std::string::npos);
+      return error.message;
+    }
+    return "it worked";
+  }
+};
+
+TEST_F(OtherHelper, ACrashIsOneMessage) {
+  const auto message = message_of("echo 'at wits end' >&2; kill -SEGV $$");
+  EXPECT_NE(message.find("gave up by signal 11: at wits end"), std::string::npos) << message;
+  EXPECT_NE(message_of("exit 3").find("gave up with exit code 3"), std::string::npos);
+}
+
+TEST_F(OtherHelper, AnAnswerThatIsNoneIsRefused) {
+  EXPECT_NE(message_of("true").find("its answer is cut off"), std::string::npos);
+  EXPECT_NE(message_of("head -c 100 /dev/zero").find("its answer is of another version"), std::string::npos);
+  EXPECT_NE(message_of("cat").find("its answer is"), std::string::npos) << "the task itself";
+}
+
+TEST_F(OtherHelper, OneThatCannotRunIsNamed) {
+  EXPECT_THROW(adapters::fill_surfaces({nested_cubes(), edges_of(1), {}}, scratch_folder("none") / "heartgen-tetgen"),
+               UserError);
+}
+
+TEST(TetGen, FillsTheSurfacesOfTheLattice) {
   // Two ventricles of a ball with a wall, in a body that the image cuts: the meeting of four labels and flat sides.
   const auto labels = label_cube(28, 1.5, [](const Vec3& p) {
     if (norm(p) >= 15) return std::hypot(p.x, p.y) < 19.5 ? Region::torso : Region::none;

@@ -3,6 +3,7 @@
 /// A build as it grows: what was asked for, and what each stage has left for those after it.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "generator/pde/hierarchy.hpp"
 #include "generator/pipeline/resolutions.hpp"
 #include "generator/pipeline/run.hpp"
+#include "generator/pipeline/stage_event.hpp"
 #include "model/certificate.hpp"
 #include "model/recipe.hpp"
 #include "model/tet_mesh.hpp"
@@ -29,8 +31,11 @@ struct BuildOptions {
   std::filesystem::path cache_folder;  ///< stage results; empty: no cache
   std::filesystem::path keep_stages;   ///< where the image stages' results are written as files; empty: nowhere
   bool replace = false;                ///< replace an existing bundle
-  bool progress = true;
-  bool accept_doubtful = false;  ///< go on with automatic landmarks that can hardly be a heart's
+  bool progress = true;                ///< lines on standard error
+  bool tells_warnings = true;          ///< on standard error, as they come up; they are in the certificate too
+  bool accept_doubtful = false;        ///< go on with automatic landmarks that can hardly be a heart's
+  /// Called on the root; what it throws ends the build of a single process.
+  std::function<void(const StageEvent&)> on_stage{};
 };
 
 /// A cache that this run has made goes where its input is refused: nobody will ask for it again.

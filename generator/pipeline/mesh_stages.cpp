@@ -49,9 +49,8 @@ Noted<Meshes> make_meshes(const Build& b) {
 }
 
 FiberAtlas read_atlas(const Recipe& recipe) {
-  if (!recipe.input.atlas.empty()) return atlas::read_fiber_atlas(recipe.input.atlas, recipe.input.atlas_array);
-  const TetMesh standin = phantom::make_standin_atlas();
-  return atlas::make_fiber_atlas("stand-in atlas", standin.nodes_mm, standin.cells, standin.node_fibers.fiber);
+  if (recipe.input.atlas.empty()) return standin_atlas();
+  return atlas::read_fiber_atlas(recipe.input.atlas, recipe.input.atlas_array);
 }
 
 /// Of the meshes of the map, whatever is made beside them.
@@ -85,6 +84,11 @@ Sources sources_of_fibers(const Build& b) {
 Sources sources_of_further(const Build& b) { return {b.labels_key(), b.fibers.key, recipe_section(b.recipe, "mesh")}; }
 
 }  // namespace
+
+FiberAtlas standin_atlas() {
+  const TetMesh standin = phantom::make_standin_atlas();
+  return atlas::make_fiber_atlas("stand-in atlas", standin.nodes_mm, standin.cells, standin.node_fibers.fiber);
+}
 
 TetMesh with_fibers(TetMesh myocardium, const fibers::FiberResult& result) {
   myocardium.node_fibers = result.node;

@@ -14,6 +14,7 @@
 #include "generator/pipeline/torso_stage.hpp"
 #include "model/error.hpp"
 #include "model/memory.hpp"
+#include "model/own_file.hpp"
 
 namespace heartgen::pipeline {
 namespace {
@@ -91,10 +92,10 @@ void begin(Build& b) {
   b.new_cache = NewCache(cache_folder);
   check_inputs(b.recipe);
   b.place = exporters::reserve_place(b.options.output, existing_output(b.options));
-  if (!b.place.remark.empty()) fmt::print(stderr, "heartgen: {}\n", b.place.remark);
+  if (!b.place.remark.empty() && b.options.tells_warnings) fmt::print(stderr, "heartgen: {}\n", b.place.remark);
   clear_unfinished_entries(cache_folder);
   hash_inputs(b);
-  b.run.program_hash = exporters::sha256_of_file("/proc/self/exe");
+  b.run.program_hash = exporters::sha256_of_file(own_file());
   b.run.files.origin = origin_of(b);
 }
 
@@ -111,7 +112,9 @@ void refuse_no_heart(Build& b) {
 Notes remark_on_labels(Build& b) { return label_notes(*b.given, *b.heart, b.has_ct()); }
 
 /// Not before: a refusal is one message.
-void print_notes(Build& b) { print_warnings(b.run.notes); }
+void print_notes(Build& b) {
+  if (b.options.tells_warnings) print_warnings(b.run.notes);
+}
 
 void clean_cache(Build& b) { forget_other_entries(b.options.cache_folder, b.run.used_keys); }
 
@@ -137,6 +140,7 @@ BuildResult build(const Recipe& recipe, const BuildOptions& options, const paral
   b.run.comm = comm;
   b.run.cache_folder = options.cache_folder;
   b.run.progress = make_progress({}, options.progress && comm.is_root());
+  if (comm.is_root()) b.run.progress.on_stage = options.on_stage;
   b.run.files = stage_files(recipe, options);
   run_stages(build_stages(), b);
   return {b.written.content_id, b.written.certificate, time_log(b.run) + b.written.fibers_from};

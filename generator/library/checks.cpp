@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "generator/pipeline/pipeline.hpp"
+#include "generator/pipeline/bundle_stage.hpp"
 #include "model/labels.hpp"
 #include "validation/contour_fit.hpp"
 #include "validation/uses.hpp"

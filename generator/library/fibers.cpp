@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "generator/fibers/map_fibers.hpp"
-#include "generator/pipeline/pipeline.hpp"
+#include "generator/pipeline/mesh_stages.hpp"
 
 namespace heartgen {
 

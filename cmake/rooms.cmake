@@ -35,9 +35,12 @@ heartgen_vectorise(pde generator/pde
 heartgen_room(anatomy FOLDER generator/anatomy
   SENTENCE "What a chest CT holds: blood, chambers, walls, body, airways and vessels"
   DEPENDS model mesh_queries parallel image pde LIBRARIES fmt::fmt)
+heartgen_room(chest FOLDER generator/chest
+  SENTENCE "What surrounds the heart: lungs, the room between them, spine and trachea"
+  DEPENDS model parallel image LIBRARIES fmt::fmt)
 heartgen_room(landmarks FOLDER generator/landmarks
   SENTENCE "Seeds, valve planes and the long axis found in a contrast-enhanced CT"
-  DEPENDS model parallel image anatomy LIBRARIES fmt::fmt)
+  DEPENDS model parallel image anatomy chest LIBRARIES fmt::fmt)
 heartgen_room(labels FOLDER generator/labels
   SENTENCE "Label maps from elsewhere: numberings, names, repair, and what they replace"
   DEPENDS model parallel adapters image LIBRARIES heartgen_itk heartgen_ceres ${json} fmt::fmt)

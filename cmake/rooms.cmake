@@ -38,6 +38,9 @@ heartgen_room(anatomy FOLDER generator/anatomy
 heartgen_room(chest FOLDER generator/chest
   SENTENCE "What surrounds the heart: lungs, the room between them, spine and trachea"
   DEPENDS model parallel image LIBRARIES fmt::fmt)
+heartgen_room(naming FOLDER generator/naming
+  SENTENCE "Which piece of blood is which part of the heart: one labelling of all pieces at once"
+  DEPENDS model parallel image chest LIBRARIES fmt::fmt)
 heartgen_room(landmarks FOLDER generator/landmarks
   SENTENCE "Seeds, valve planes and the long axis found in a contrast-enhanced CT"
   DEPENDS model parallel image anatomy chest LIBRARIES fmt::fmt)
@@ -106,7 +109,7 @@ heartgen_room(study FOLDER benchmarks/study
 heartgen_vectorise(study benchmarks/study schemes.cpp two_phase.cpp global_minimum.cpp)
 heartgen_room(lab FOLDER benchmarks/lab
   SENTENCE "The commands of heartgen-lab"
-  DEPENDS model parallel adapters image pde anatomy landmarks labels atlas fibers mesh validation report phantom pipeline command_line benchmarks study
+  DEPENDS model parallel adapters image pde anatomy naming landmarks labels atlas fibers mesh validation report phantom pipeline command_line benchmarks study
   LIBRARIES heartgen_itk CLI11::CLI11 ${json} fmt::fmt)
 
 include(${PROJECT_SOURCE_DIR}/cmake/embedded.cmake)

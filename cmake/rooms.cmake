@@ -40,9 +40,15 @@ heartgen_vectorise(pde generator/pde
 heartgen_room(anatomy FOLDER generator/anatomy
   SENTENCE "What a chest CT holds: blood, chambers, walls, body, airways and vessels"
   DEPENDS model mesh_queries parallel image pde LIBRARIES fmt::fmt)
+heartgen_room(chest FOLDER generator/chest
+  SENTENCE "What surrounds the heart: lungs, the room between them, spine and trachea"
+  DEPENDS model parallel image LIBRARIES fmt::fmt)
+heartgen_room(naming FOLDER generator/naming
+  SENTENCE "Which piece of blood is which part of the heart: one labelling of all pieces at once"
+  DEPENDS model parallel image chest LIBRARIES fmt::fmt)
 heartgen_room(landmarks FOLDER generator/landmarks
   SENTENCE "Seeds, valve planes and the long axis found in a contrast-enhanced CT"
-  DEPENDS model parallel image anatomy LIBRARIES fmt::fmt)
+  DEPENDS model parallel image anatomy chest LIBRARIES fmt::fmt)
 heartgen_room(labels FOLDER generator/labels
   SENTENCE "Label maps from elsewhere: numberings, names, repair, and what they replace"
   DEPENDS model parallel adapters image LIBRARIES heartgen_itk heartgen_ceres ${json} fmt::fmt)
@@ -113,7 +119,7 @@ heartgen_room(study FOLDER benchmarks/study
 heartgen_vectorise(study benchmarks/study schemes.cpp two_phase.cpp global_minimum.cpp)
 heartgen_room(lab FOLDER benchmarks/lab
   SENTENCE "The commands of heartgen-lab"
-  DEPENDS model parallel adapters image pde anatomy landmarks labels atlas fibers mesh validation report phantom pipeline command_line benchmarks study
+  DEPENDS model parallel adapters image pde anatomy naming landmarks labels atlas fibers mesh validation report phantom pipeline command_line benchmarks study
   LIBRARIES heartgen_itk CLI11::CLI11 ${json} fmt::fmt)
 
 include(${PROJECT_SOURCE_DIR}/cmake/embedded.cmake)

@@ -4,6 +4,7 @@
 #include "benchmarks/lab/bench_command.hpp"
 #include "benchmarks/lab/broken_circle_command.hpp"
 #include "benchmarks/lab/fiber_accuracy_command.hpp"
+#include "benchmarks/lab/naming_command.hpp"
 #include "benchmarks/lab/sensitivity_command.hpp"
 #include "benchmarks/lab/study_command.hpp"
 #include "generator/command_line/command_line.hpp"
@@ -24,6 +25,7 @@ struct Lab {
   BenchCommand bench{};
   StudyCommand study{};
   BrokenCircleCommand broken_circle{};
+  NamingCommand naming{};
 };
 
 void add_accuracy(CommandLine& line, Lab& p) {
@@ -132,6 +134,20 @@ void add_broken_circle(CommandLine& line, Lab& p) {
   sub->add_flag("--json", c.json, "print as JSON");
 }
 
+void add_naming(CommandLine& line, Lab& p) {
+  auto& n = p.naming;
+  auto* sub = add_command(
+      line, "naming", "Name the pieces of blood in CTs, or in phantoms of many kinds and count what is right",
+      "heartgen-lab naming patient.nii.gz --output names.nii.gz\n  heartgen-lab naming --cases 3 --tree",
+      on_root(line, [&p] { return naming_command(p.naming); }));
+  sub->add_option("ct", n.cts, "CT volumes or DICOM folders (default: the table of phantoms)");
+  sub->add_option("-o,--output", n.output, "label map of the names to write, of the first CT");
+  sub->add_option("--kinds", n.kinds, "of phantoms, by the begin of their names (default: all)")->delimiter(',');
+  sub->add_option("--cases", n.cases, "of each kind (default 3)")->check(CLI::PositiveNumber);
+  sub->add_option("--seed", n.seed, "that the phantoms are drawn from (default 1)")->check(CLI::NonNegativeNumber);
+  sub->add_flag("--tree", n.tree, "also what the search for landmarks finds");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -145,5 +161,6 @@ int main(int argc, char** argv) {
                                      add_bench(line, p);
                                      add_study(line, p);
                                      add_broken_circle(line, p);
+                                     add_naming(line, p);
                                    });
 }

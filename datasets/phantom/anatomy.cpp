@@ -97,12 +97,46 @@ std::array<float, tissue_count> grey_values(const Patient& patient) {
   set(Tissue::cartilage, 100);
   set(Tissue::left_blood, patient.left_hu);
   set(Tissue::right_blood, patient.right_hu);
-  set(Tissue::systemic_vein, 0.5 * patient.right_hu + 40);
+  set(Tissue::upper_vein, 0.5 * patient.right_hu + 40);
   set(Tissue::vessel_wall, 60);
   set(Tissue::skin, 20);
   set(Tissue::spleen, 120);
   set(Tissue::fluid, 15);
+  set(Tissue::la_blood, patient.left_hu);
+  set(Tissue::arterial_blood, patient.left_hu);
+  set(Tissue::ra_blood, patient.right_hu);
+  set(Tissue::pulmonary_blood, patient.right_hu);
+  set(Tissue::lower_vein, 0.5 * patient.right_hu + 40);
+  set(Tissue::vertebra, 230);
   return hu;
+}
+
+void apply_grey_values(const GreyValues& grey, std::array<float, tissue_count>& hu) {
+  const auto set = [&](const std::optional<double>& value, const char* name, std::initializer_list<Tissue> tissues) {
+    check_override(value, name, -100, 2000);
+    for (const Tissue tissue : tissues)
+      if (value) hu[static_cast<std::size_t>(tissue)] = static_cast<float>(*value);
+  };
+  set(grey.lv, "the phantom's left blood, HU", {Tissue::left_blood, Tissue::la_blood, Tissue::arterial_blood});
+  set(grey.la, "the phantom's left atrium, HU", {Tissue::la_blood});
+  set(grey.aorta, "the phantom's aorta, HU", {Tissue::arterial_blood});
+  set(grey.rv, "the phantom's right blood, HU", {Tissue::right_blood, Tissue::ra_blood, Tissue::pulmonary_blood});
+  set(grey.ra, "the phantom's right atrium, HU", {Tissue::ra_blood});
+  set(grey.pa, "the phantom's pulmonary artery, HU", {Tissue::pulmonary_blood});
+  set(grey.svc, "the phantom's superior vena cava, HU", {Tissue::upper_vein});
+  set(grey.ivc, "the phantom's inferior vena cava, HU", {Tissue::lower_vein});
+  set(grey.jet, "the phantom's jet, HU", {Tissue::jet});
+  set(grey.muscle, "the phantom's heart muscle, HU", {Tissue::myocardium});
+  set(grey.vertebrae, "the phantom's vertebrae, HU", {Tissue::vertebra});
+}
+
+/// From the superior vena cava through the right atrium into the tricuspid valve, widening.
+Tube make_jet(const HeartShapes& heart) {
+  const double k = heart.scale, reach_mm = 16;
+  const Vec3 inflow = heart.ra_veins[0].cut.point, valve = heart.tricuspid.plane.point;
+  const Vec3 bend = 0.5 * (heart.ra_center_mm + inflow);
+  return Tube(smooth_curve({{inflow, 8 * k}, {bend, 8.5 * k}, {0.5 * (bend + valve), 9.5 * k}, {valve, 11 * k}}),
+              reach_mm);
 }
 
 /// A point of a ventricle's cavity: blood, papillary muscle, or the crevice between that and the wall, which is filled.
@@ -113,25 +147,31 @@ Sample cavity_sample(const HeartField& f, Region wall, Region blood, Tissue bloo
   return {blood, blood_tissue};
 }
 
-std::optional<Sample> blood_sample(const HeartField& f) {
+std::optional<Sample> blood_sample(const Anatomy& anatomy, const HeartField& f, const Vec3& p) {
   using enum Region;
   if (f.lv < 0) return cavity_sample(f, lv_myocardium, lv_blood, Tissue::left_blood);
   if (f.rv < 0)
     return cavity_sample(f, f.lv_outer < -f.free_wall ? lv_myocardium : rv_myocardium, rv_blood, Tissue::right_blood);
-  if (f.aorta < 0) return Sample{aorta, Tissue::left_blood};
-  if (f.la < 0) return Sample{la_blood, Tissue::left_blood};
-  if (f.pulmonary < 0) return Sample{pulmonary_artery, Tissue::right_blood};
-  if (f.ra < 0) return Sample{ra_blood, Tissue::right_blood};
+  if (f.aorta < 0) return Sample{aorta, Tissue::arterial_blood};
+  if (f.la < 0) return Sample{la_blood, Tissue::la_blood};
+  if (f.pulmonary < 0) return Sample{pulmonary_artery, Tissue::pulmonary_blood};
+  if (f.ra < 0) return Sample{ra_blood, anatomy.jet && (*anatomy.jet)(p) < 0 ? Tissue::jet : Tissue::ra_blood};
   return std::nullopt;
 }
 
-std::optional<Sample> heart_sample(const HeartShapes& heart, const HeartField& f) {
+/// Whether a point of the caval veins belongs to the upper one.
+bool in_upper_vein(const HeartShapes& heart, const Vec3& p) {
+  return heart.ra_veins[0].tube(p) < heart.ra_veins[1].tube(p);
+}
+
+std::optional<Sample> heart_sample(const Anatomy& anatomy, const HeartField& f, const Vec3& p) {
   using enum Region;
-  if (auto blood = blood_sample(f)) return blood;
+  const HeartShapes& heart = anatomy.heart;
+  if (auto blood = blood_sample(anatomy, f, p)) return blood;
   if (f.lv_outer < 0) return Sample{lv_myocardium, Tissue::myocardium};
   if (f.rv_outer < 0) return Sample{rv_myocardium, Tissue::myocardium};
-  if (f.left_vein < 0) return Sample{torso, Tissue::left_blood};
-  if (f.right_vein < 0) return Sample{torso, Tissue::systemic_vein};
+  if (f.left_vein < 0) return Sample{torso, Tissue::la_blood};
+  if (f.right_vein < 0) return Sample{torso, in_upper_vein(heart, p) ? Tissue::upper_vein : Tissue::lower_vein};
   if (f.la < heart.sizes.atrial_wall_mm) return Sample{la_wall, Tissue::myocardium};
   if (f.ra < heart.sizes.atrial_wall_mm) return Sample{ra_wall, Tissue::myocardium};
   if (std::min(f.aorta, f.pulmonary) < 1.8) return Sample{torso, Tissue::vessel_wall};
@@ -145,11 +185,11 @@ Sample sample_at(const Anatomy& anatomy, const Vec3& p) {
   const double skin = skin_distance(anatomy.body, p);
   if (skin > 0) return {};
   const HeartField field = heart_field(anatomy.heart, p);
-  if (auto sample = heart_sample(anatomy.heart, field)) return *sample;
+  if (auto sample = heart_sample(anatomy, field, p)) return *sample;
   return body_sample(anatomy.body, anatomy.heart, field, p, skin);
 }
 
-HeartModel make_heart_model(int variant, const HeartOverrides& overrides) {
+HeartModel make_heart_model(int variant, const HeartOverrides& overrides, const GreyValues& grey) {
   if (variant < 0) throw UserError("the variant must not be negative", "phantom", "give 0 or more");
   Patient patient = draw_patient(variant);
   apply_overrides(patient, overrides);
@@ -160,6 +200,8 @@ HeartModel make_heart_model(int variant, const HeartOverrides& overrides) {
   anatomy->body = make_body_shapes(patient.pose, patient.stretch, anatomy->heart);
   anatomy->body.fat_mm = patient.fat_mm;
   anatomy->hu = grey_values(patient);
+  apply_grey_values(grey, anatomy->hu);
+  if (grey.jet) anatomy->jet = make_jet(anatomy->heart);
   return {variant, std::move(anatomy)};
 }
 

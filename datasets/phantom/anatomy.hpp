@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "model/labels.hpp"
 #include "model/landmarks.hpp"
@@ -27,15 +28,22 @@ enum class Tissue : std::uint8_t {
   cortical_bone,
   marrow,
   cartilage,
-  left_blood,
-  right_blood,
-  systemic_vein,
+  left_blood,   ///< of the left ventricle
+  right_blood,  ///< of the right ventricle
+  upper_vein,   ///< superior vena cava and what flows into it
   vessel_wall,
   skin,
   spleen,
   fluid,
+  la_blood,  ///< and the pulmonary veins
+  arterial_blood,
+  ra_blood,
+  pulmonary_blood,  ///< of the pulmonary artery and its branches
+  lower_vein,
+  jet,       ///< of unmixed contrast, in the right atrium
+  vertebra,  ///< spongy bone of the spine
 };
-constexpr int tissue_count = 16;
+constexpr int tissue_count = 23;
 
 /// Shape overrides of the phantom; the defaults of a variant apply where a field is empty.
 struct HeartOverrides {
@@ -47,14 +55,30 @@ struct HeartOverrides {
   std::optional<Vec3> rotation_deg;
 };
 
+/// Grey values, HU; those of the variant where a field is empty.
+struct GreyValues {
+  std::optional<double> lv, la, aorta;  ///< and the arteries; with lv alone, la and aorta follow it
+  std::optional<double> rv, ra, pa;     ///< with rv alone, ra and pa follow it
+  std::optional<double> svc, ivc;       ///< the caval veins
+  std::optional<double> jet;            ///< a jet of contrast through the right atrium; empty: none
+  std::optional<double> muscle;         ///< of the heart
+  std::optional<double> vertebrae;      ///< their spongy bone
+};
+
+/// Of a scan without contrast agent.
+GreyValues grey_without_contrast();
+
+/// Reads "lv=350", "svc=900", ...: a part's name and HU. Throws UserError for what it does not know.
+void set_grey(GreyValues& grey, const std::string& assignment);
+
 struct HeartModel {
   int variant = 0;
   std::shared_ptr<const Anatomy> anatomy;  ///< immutable, shared by copies
 };
 
-/// The model of a variant (0 = the default; any integer >= 0). Throws UserError for negative variants and overrides
-/// out of range.
-HeartModel make_heart_model(int variant = 0, const HeartOverrides& overrides = {});
+/// The model of a variant (0 = the default; any integer >= 0). Throws UserError for negative variants, and for
+/// overrides and grey values out of range.
+HeartModel make_heart_model(int variant = 0, const HeartOverrides& overrides = {}, const GreyValues& grey = {});
 
 Region region_at(const HeartModel& model, const Vec3& lps_mm);
 Tissue tissue_at(const HeartModel& model, const Vec3& lps_mm);

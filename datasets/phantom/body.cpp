@@ -58,8 +58,8 @@ Place locate(const BodyShapes& body, const Vec3& p, double skin) {
 }
 
 constexpr Sample torso(Tissue tissue) { return {Region::torso, tissue}; }
-Sample bone(double depth_mm, double shell_mm = 1.4) {
-  return {Region::bone, depth_mm < shell_mm ? Tissue::cortical_bone : Tissue::marrow};
+Sample bone(double depth_mm, double shell_mm = 1.4, Tissue spongy = Tissue::marrow) {
+  return {Region::bone, depth_mm < shell_mm ? Tissue::cortical_bone : spongy};
 }
 
 double periodic(double x, double period) { return x - period * std::floor(x / period + 0.5); }
@@ -68,12 +68,12 @@ std::optional<Sample> vertebral_arch(const Place& at, double dy, double level) {
   const double x = std::abs(at.t.x), around = length2d(x, dy - 23);
   if (around < 4.5) return torso(Tissue::muscle);  // the cord
   if (around < 8.5) return torso(Tissue::fluid);
-  if (around < 12.5 && std::abs(level) < 9) return bone(std::min(around - 8.5, 12.5 - around), 1.2);
+  if (around < 12.5 && std::abs(level) < 9) return bone(std::min(around - 8.5, 12.5 - around), 1.2, Tissue::vertebra);
   const double bar = std::max(round_cone({x, dy, 0}, {10, 20, 0}, {35, 28, 0}, 5, 4), std::abs(level - 3) - 5);
-  if (bar < 0) return bone(-bar, 1.2);
+  if (bar < 0) return bone(-bar, 1.2, Tissue::vertebra);
   const double slanted = std::abs(periodic(at.t.z + 0.8 * (dy - 33), 25)) - 6.5;
   const double process = std::max({x - 2.8, slanted, dy - 46, 30 - dy});
-  if (process < 0) return bone(-process, 1.0);
+  if (process < 0) return bone(-process, 1.0, Tissue::vertebra);
   return std::nullopt;
 }
 
@@ -85,7 +85,7 @@ std::optional<Sample> spine_sample(const Place& at) {
   const double in_body = (1 - length2d(at.t.x / (18.5 * waist), dy / (15 * waist))) * 15;
   if (in_body > 0) {
     const double end_plate = 9.3 - std::abs(level);
-    return end_plate < 0 ? torso(Tissue::cartilage) : bone(std::min(in_body, end_plate), 1.1);
+    return end_plate < 0 ? torso(Tissue::cartilage) : bone(std::min(in_body, end_plate), 1.1, Tissue::vertebra);
   }
   return vertebral_arch(at, dy, level);
 }
@@ -224,16 +224,16 @@ double mediastinum(const BodyShapes& body, const HeartField& f, const Place& at,
 }
 
 Sample lung_sample(const BodyShapes& body, const Vec3& p) {
-  if (body.lung_arteries(p) < 0) return {Region::lung, Tissue::right_blood};
-  if (body.lung_veins(p) < 0) return {Region::lung, Tissue::left_blood};
+  if (body.lung_arteries(p) < 0) return {Region::lung, Tissue::pulmonary_blood};
+  if (body.lung_veins(p) < 0) return {Region::lung, Tissue::la_blood};
   return {Region::lung, Tissue::lung};
 }
 
 std::optional<Sample> tube_sample(const BodyShapes& body, const Vec3& p, double trunk, double branches) {
   if (std::min(trunk, branches) < 0) return Sample{Region::trachea, Tissue::air};
-  if (body.carotids(p) < 0) return Sample{Region::carotid, Tissue::left_blood};
-  if (body.arch_branches(p) < 0) return torso(Tissue::left_blood);
-  if (body.veins(p) < 0) return torso(Tissue::systemic_vein);
+  if (body.carotids(p) < 0) return Sample{Region::carotid, Tissue::arterial_blood};
+  if (body.arch_branches(p) < 0) return torso(Tissue::arterial_blood);
+  if (body.veins(p) < 0) return torso(Tissue::upper_vein);
   if (trunk < 1.5 || branches < 1.1) return torso(Tissue::vessel_wall);
   if (std::min(body.carotids(p), body.arch_branches(p)) < 1) return torso(Tissue::vessel_wall);
   const double esophagus = body.esophagus(p);
@@ -255,7 +255,7 @@ Sample body_sample(const BodyShapes& body, const HeartShapes& heart, const Heart
   const double gap = 3 - std::min({f.aorta, f.pulmonary, f.la, f.ra});  // keeps the airways off the blood
   const double trunk = std::max(body.airway(p), gap), branches = std::max(body.airway_branches(p), gap);
   if (auto s = tube_sample(body, p, trunk, branches)) return *s;
-  if (f.outer < 4.5 && heart.coronaries(p) < 0) return torso(Tissue::left_blood);
+  if (f.outer < 4.5 && heart.coronaries(p) < 0) return torso(Tissue::arterial_blood);
   if (f.outer < 2.5) return torso(Tissue::fat);
   if (auto s = spine_sample(at)) return *s;
   if (at.wall > -0.8) return wall_sample(body, at, p);

@@ -25,6 +25,7 @@ struct Anatomy {
   HeartPose pose;
   HeartShapes heart;
   BodyShapes body;
+  std::optional<Tube> jet;               ///< of unmixed contrast in the right atrium
   std::array<float, tissue_count> hu{};  ///< mean CT number per tissue
 };
 

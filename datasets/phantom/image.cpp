@@ -22,13 +22,15 @@ void for_each_slice(const Grid& grid, const Body& body) {
   });
 }
 
-bool is_mixed(const Volume<std::uint8_t>& tissues, std::int64_t i, std::int64_t j, std::int64_t k) {
+/// Whether a voxel has a neighbour of another grey value.
+bool is_mixed(const Volume<std::uint8_t>& tissues, const std::array<float, tissue_count>& grey, std::int64_t i,
+              std::int64_t j, std::int64_t k) {
   const auto& size = tissues.grid.size;
-  const auto own = tissues(i, j, k);
+  const float own = grey[tissues(i, j, k)];
   for (std::int64_t c = std::max<std::int64_t>(k - 1, 0); c <= std::min(k + 1, size[2] - 1); ++c)
     for (std::int64_t b = std::max<std::int64_t>(j - 1, 0); b <= std::min(j + 1, size[1] - 1); ++b)
       for (std::int64_t a = std::max<std::int64_t>(i - 1, 0); a <= std::min(i + 1, size[0] - 1); ++a)
-        if (tissues(a, b, c) != own) return true;
+        if (grey[tissues(a, b, c)] != own) return true;
   return false;
 }
 
@@ -113,8 +115,9 @@ Volume<float> grey_volume(const Anatomy& anatomy, const SampledVolume& samples,
     for (std::int64_t j = 0; j < grid.size[1]; ++j)
       for (std::int64_t i = 0; i < grid.size[0]; ++i) {
         const Vec3 index{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
-        volume(i, j, k) = is_mixed(samples.tissues, i, j, k) ? mean_grey(anatomy, grid, index, grey_of_tissue)
-                                                             : grey_of_tissue[samples.tissues(i, j, k)];
+        volume(i, j, k) = is_mixed(samples.tissues, grey_of_tissue, i, j, k)
+                              ? mean_grey(anatomy, grid, index, grey_of_tissue)
+                              : grey_of_tissue[samples.tissues(i, j, k)];
       }
   });
   return volume;

@@ -35,6 +35,7 @@ std::array<float, tissue_count> textures() {
   std::array<float, tissue_count> amplitude{};
   amplitude[static_cast<std::size_t>(Tissue::lung)] = 22;
   amplitude[static_cast<std::size_t>(Tissue::marrow)] = 110;
+  amplitude[static_cast<std::size_t>(Tissue::vertebra)] = 110;
   amplitude[static_cast<std::size_t>(Tissue::cortical_bone)] = 150;
   amplitude[static_cast<std::size_t>(Tissue::muscle)] = 14;
   amplitude[static_cast<std::size_t>(Tissue::fat)] = 9;
@@ -88,7 +89,7 @@ Grid phantom_grid(const HeartModel& model, const Index3& size, const Vec3& spaci
 Phantom make_phantom(const PhantomSettings& settings) {
   check(settings);
   Phantom phantom;
-  phantom.model = make_heart_model(settings.variant, settings.overrides);
+  phantom.model = make_heart_model(settings.variant, settings.overrides, settings.grey);
   phantom.landmarks = landmarks_of(phantom.model);
   const auto& anatomy = *phantom.model.anatomy;
   const Grid grid = phantom_grid(phantom.model, settings.size, settings.spacing_mm);

@@ -23,6 +23,7 @@ struct PhantomSettings {
   bool companions = true;          ///< also make torso_mr and carotid (otherwise left empty)
   bool fibers = true;              ///< also sample the fibres (otherwise left empty)
   HeartOverrides overrides;
+  GreyValues grey;
 };
 
 /// Fibres on the grid of the CT: x, y, z components, zero outside ventricular and papillary muscle.

@@ -22,11 +22,17 @@ std::array<float, tissue_count> mr_values() {
   set(Tissue::cartilage, 260);
   set(Tissue::left_blood, 120);
   set(Tissue::right_blood, 130);
-  set(Tissue::systemic_vein, 130);
+  set(Tissue::upper_vein, 130);
   set(Tissue::vessel_wall, 290);
   set(Tissue::skin, 420);
   set(Tissue::spleen, 280);
   set(Tissue::fluid, 160);
+  set(Tissue::la_blood, 120);
+  set(Tissue::arterial_blood, 120);
+  set(Tissue::ra_blood, 130);
+  set(Tissue::pulmonary_blood, 130);
+  set(Tissue::lower_vein, 130);
+  set(Tissue::vertebra, 560);
   return value;
 }
 

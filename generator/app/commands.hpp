@@ -78,6 +78,7 @@ struct PhantomCommand {
   int variant = 0;
   double noise_hu = 22;
   phantom::HeartOverrides heart;
+  phantom::GreyValues grey;
   bool json = false;
 };
 int phantom_command(const PhantomCommand& command);

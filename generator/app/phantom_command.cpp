@@ -20,6 +20,7 @@ int phantom_command(const PhantomCommand& command) {
   settings.variant = command.variant;
   settings.noise_hu = command.noise_hu;
   settings.overrides = command.heart;
+  settings.grey = command.grey;
   const fs::path folder = command.folder, recipe = folder / "recipe.toml";
   write_phantom(folder, settings);
   if (command.json)

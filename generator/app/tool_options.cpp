@@ -69,6 +69,7 @@ void add_tools(Program& p) {
   phantom->add_option("--variant", p.phantom.variant, "another patient: pose, size, walls, contrast (default 0)");
   phantom->add_option("--noise", p.phantom.noise_hu, "standard deviation of the noise, HU (default 22)");
   command_line::add_heart_options(*phantom, p.phantom.heart);
+  command_line::add_grey_options(*phantom, p.phantom.grey);
   phantom->add_flag("--json", p.phantom.json, "print as JSON");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/command_line/heart_options.hpp"
 
+#include <string>
 #include <vector>
 
 namespace heartgen::command_line {
@@ -15,6 +16,21 @@ void add_heart_options(CLI::App& command, phantom::HeartOverrides& heart) {
                                                 "degrees about the patient's axes RX,RY,RZ, each -30 to 30")
       ->delimiter(',')
       ->expected(3);
+}
+
+void add_grey_options(CLI::App& command, phantom::GreyValues& grey) {
+  const auto set = [&grey](const std::vector<std::string>& assignments) {
+    for (const auto& assignment : assignments) phantom::set_grey(grey, assignment);
+  };
+  auto* hu = command.add_option_function<std::vector<std::string>>(
+      "--hu", set,
+      "HU of the phantom's parts, as lv=350,rv=300,ra=450,pa=310,svc=900,muscle=105 (others: la, aorta, ivc, "
+      "vertebrae; jet: a jet of unmixed contrast through the right atrium; default: the variant's)");
+  hu->delimiter(',');
+  command
+      .add_flag_callback(
+          "--no-contrast", [&grey] { grey = phantom::grey_without_contrast(); }, "blood as dark as muscle")
+      ->excludes(hu);
 }
 
 }  // namespace heartgen::command_line

@@ -10,4 +10,7 @@ namespace heartgen::command_line {
 
 void add_heart_options(CLI::App& command, phantom::HeartOverrides& heart);
 
+/// The phantom's grey values: --hu and --no-contrast.
+void add_grey_options(CLI::App& command, phantom::GreyValues& grey);
+
 }  // namespace heartgen::command_line

@@ -170,7 +170,7 @@ void check_angles(const Findings& findings, Report& report) {
 std::map<std::string, Vec3> centres_of(const LabelVolume& chambers) {
   std::map<std::string, std::pair<Vec3, double>> sums;
   std::vector<std::pair<Vec3, double>> by_tag(256);
-  for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
     auto& sum = by_tag[chambers.voxels[v]];
     sum.first += p;
     sum.second += 1;

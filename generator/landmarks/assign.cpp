@@ -5,8 +5,8 @@
 #include <queue>
 #include <tuple>
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/distance.hpp"
-#include "generator/landmarks/working_image.hpp"
 
 namespace heartgen::landmarks {
 namespace {
@@ -33,7 +33,7 @@ std::map<Region, double> seed_grey(const Pools& pools, const Assignment& seeds, 
 
 using Neighbours = std::map<std::int32_t, std::vector<std::int32_t>>;
 
-Neighbours neighbours_of(const Basins& basins, const Pools& pools) {
+Neighbours neighbours_of(const image::Basins& basins, const Pools& pools) {
   Neighbours result;
   for (const auto& [pair, contact] : basins.contacts) {
     if (!pools.contains(pair.first) || !pools.contains(pair.second)) continue;
@@ -54,13 +54,13 @@ struct Step {
 
 }  // namespace
 
-std::int32_t find_right_heart(const Basins& basins, const Pools& pools, const LeftHeart& left) {
+std::int32_t find_right_heart(const image::Basins& basins, const Pools& pools, const LeftHeart& left) {
   constexpr double nearest_mm = 4.5, farthest_mm = 17;  // the septum, thin to thick
   constexpr double reach_mm = 80, min_depth_mm = 6, min_ml = 4;
   const auto is_ventricle = [&](std::int32_t label) {
     return std::find(left.ventricle.begin(), left.ventricle.end(), label) != left.ventricle.end();
   };
-  const auto distance = image::distance_to(mask_where(basins.label.grid, [&](const Vec3&, std::size_t v) {
+  const auto distance = image::distance_to(chest::mask_where(basins.label.grid, [&](const Vec3&, std::size_t v) {
     return basins.label.voxels[v] > 0 && is_ventricle(basins.label.voxels[v]);
   }));
   std::vector<std::int64_t> across(static_cast<std::size_t>(basins.count) + 1, 0);
@@ -84,7 +84,7 @@ std::int32_t find_right_heart(const Basins& basins, const Pools& pools, const Le
   return best;
 }
 
-Assignment assign_basins(const Basins& basins, const Pools& pools, const LeftHeart& left, std::int32_t right) {
+Assignment assign_basins(const image::Basins& basins, const Pools& pools, const LeftHeart& left, std::int32_t right) {
   Assignment assigned;
   for (const auto label : left.ventricle) assigned[label] = Region::lv_blood;
   for (const auto label : left.descending_aorta) assigned[label] = Region::aorta;
@@ -120,7 +120,7 @@ Assignment assign_basins(const Basins& basins, const Pools& pools, const LeftHea
   return assigned;
 }
 
-LabelVolume label_map(const Basins& basins, const Assignment& assignment) {
+LabelVolume label_map(const image::Basins& basins, const Assignment& assignment) {
   std::vector<std::uint8_t> tags(static_cast<std::size_t>(basins.count) + 1, 0);
   for (const auto& [label, region] : assignment) tags[static_cast<std::size_t>(label)] = tag(region);
   LabelVolume map(basins.label.grid);

@@ -64,22 +64,22 @@ Volume<float> brightest_within_reach(const Volume<float>& image) {
 
 }  // namespace
 
-Mask local_blood(const WorkingImage& image, const Contrast& contrast, double fraction) {
+Mask local_blood(const chest::WorkingImage& image, const Contrast& contrast, double fraction) {
   const auto local = brightest_within_reach(image::gaussian(image.hu, local_sigma_mm));
   const double soft = contrast.soft_hu;
   const double floor =
       contrast.bright_hu < soft + weak_contrast_hu ? 0.5 * (soft + contrast.bright_hu) : strong_contrast_floor_hu;
   const double ceiling = soft + fraction * (contrast.blood_hu - soft);
-  return mask_where(image.smooth.grid, [&](const Vec3&, std::size_t v) {
+  return chest::mask_where(image.smooth.grid, [&](const Vec3&, std::size_t v) {
     const double brightest = std::min(static_cast<double>(local.voxels[v]), over_blood * contrast.blood_hu);
     const double threshold = std::min(std::max(soft + fraction * (brightest - soft), floor), ceiling);
     return static_cast<double>(image.smooth.voxels[v]) > std::max(threshold, soft + min_above_soft_hu);
   });
 }
 
-Mask without_spine(const Mask& chest, const Spine& spine) {
+Mask without_spine(const Mask& chest, const chest::Spine& spine) {
   constexpr double vertebra_radius_mm = 20, in_front_mm = 10;
-  return mask_where(chest.grid, [&](const Vec3& p, std::size_t v) {
+  return chest::mask_where(chest.grid, [&](const Vec3& p, std::size_t v) {
     if (!chest.voxels[v]) return false;
     const Vec3 vertebra = spine.at(p.z);
     return p.y <= vertebra.y - in_front_mm && math::hypot(p.x - vertebra.x, p.y - vertebra.y) >= vertebra_radius_mm;
@@ -89,10 +89,10 @@ Mask without_spine(const Mask& chest, const Spine& spine) {
 Vec3 heart_centre(const Mask& blood, const Mask& region) {
   constexpr double deep_mm = 5, search_sigma_mm = 25, ball_mm = 65;
   constexpr int shifts = 5;
-  const auto depth = depth_of(blood);
+  const auto depth = chest::depth_of(blood);
   Volume<float> core(blood.grid);
   std::vector<Vec3> points;
-  for_each_voxel(blood.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(blood.grid, [&](const Vec3& p, std::size_t v) {
     if (depth.voxels[v] <= deep_mm || !region.voxels[v]) return;
     core.voxels[v] = 1;
     points.push_back(p);
@@ -103,7 +103,8 @@ Vec3 heart_centre(const Mask& blood, const Mask& region) {
   const auto density = image::gaussian(core, search_sigma_mm);
   const auto peak = std::max_element(density.voxels.begin(), density.voxels.end()) - density.voxels.begin();
   const auto row = peak / blood.grid.size[0];
-  Vec3 centre = position_mm(blood.grid, peak % blood.grid.size[0], row % blood.grid.size[1], row / blood.grid.size[1]);
+  Vec3 centre =
+      chest::position_mm(blood.grid, peak % blood.grid.size[0], row % blood.grid.size[1], row / blood.grid.size[1]);
   for (int shift = 0; shift < shifts; ++shift) {
     std::vector<Vec3> near;
     std::copy_if(points.begin(), points.end(), std::back_inserter(near),
@@ -115,10 +116,10 @@ Vec3 heart_centre(const Mask& blood, const Mask& region) {
 
 Mask heart_blood(const Mask& blood, const Mask& region, const Vec3& centre) {
   constexpr double largest_island_mm3 = 300;
-  Mask result = mask_where(blood.grid, [&](const Vec3& p, std::size_t v) {
+  Mask result = chest::mask_where(blood.grid, [&](const Vec3& p, std::size_t v) {
     return blood.voxels[v] && region.voxels[v] && norm(p - centre) < heart_reach_mm;
   });
-  const auto islands = image::connected_components(inverse(result));
+  const auto islands = image::connected_components(chest::inverse(result));
   const auto limit = static_cast<std::int64_t>(largest_island_mm3 / blood.grid.voxel_volume_mm3());
   for (std::size_t v = 0; v < result.voxels.size(); ++v) {
     const auto label = static_cast<std::size_t>(islands.label.voxels[v]);

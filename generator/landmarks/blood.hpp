@@ -8,10 +8,10 @@ namespace heartgen::landmarks {
 
 /// Blood by a threshold that follows the local contrast: `fraction` of the way from soft tissue to the brightest
 /// blood within 6 mm. Thin walls survive, and chambers of 200 HU are found beside chambers of 400 HU.
-Mask local_blood(const WorkingImage& image, const Contrast& contrast, double fraction);
+Mask local_blood(const chest::WorkingImage& image, const Contrast& contrast, double fraction);
 
 /// Where heart blood may be: the chest without spine and ribs.
-Mask without_spine(const Mask& chest, const Spine& spine);
+Mask without_spine(const Mask& chest, const chest::Spine& spine);
 
 /// Centre of the largest accumulation of deep blood in `region`. Throws UserError where there is none.
 Vec3 heart_centre(const Mask& blood, const Mask& region);

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "generator/landmarks/working_image.hpp"
+#include "generator/chest/working_image.hpp"
 
 namespace heartgen::landmarks {
 
@@ -34,7 +34,7 @@ ContactSurface contact_surface(const Volume<T>& labels, First&& first, Second&& 
           const T b = labels.voxels[v + static_cast<std::size_t>(stride[n])];
           const bool forward = first(a) && second(b), backward = first(b) && second(a);
           if (!forward && !backward) continue;
-          Vec3 point = position_mm(grid, i, j, k);
+          Vec3 point = chest::position_mm(grid, i, j, k);
           point[axis] += 0.5 * step;
           surface.points.push_back(point);
           surface.area_mm2[axis] += (forward ? 1 : -1) * step * step;

@@ -33,12 +33,14 @@ double bright_threshold(const Volume<float>& coarse) {
   return levels.threshold() > unenhanced_hu ? levels.threshold() : late_phase_hu;
 }
 
-Contrast measure_contrast(const WorkingImage& image, const Mask& chest, const Spine& spine, double bright_hu) {
+Contrast measure_contrast(const chest::WorkingImage& image, const Mask& chest, const chest::Spine& spine,
+                          double bright_hu) {
   const Grid& grid = image.smooth.grid;
   const auto& smooth = image.smooth.voxels;
-  const auto depth = depth_of(mask_where(grid, [&](const Vec3&, std::size_t v) { return smooth[v] > bright_hu; }));
+  const auto depth =
+      chest::depth_of(chest::mask_where(grid, [&](const Vec3&, std::size_t v) { return smooth[v] > bright_hu; }));
   std::vector<float> deep, soft;
-  for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
     if (!chest.voxels[v]) return;
     const double hu = static_cast<double>(smooth[v]);
     if (hu > 0 && hu < std::min(bright_hu, brightest_muscle_hu)) soft.push_back(smooth[v]);

@@ -2,8 +2,8 @@
 /// @file
 /// Private to this folder: grey values of soft tissue and of contrast-filled blood.
 #pragma once
-#include "generator/landmarks/thorax.hpp"
-#include "generator/landmarks/working_image.hpp"
+#include "generator/chest/thorax.hpp"
+#include "generator/chest/working_image.hpp"
 
 namespace heartgen::landmarks {
 
@@ -20,6 +20,7 @@ double bright_threshold(const Volume<float>& coarse);
 /// `chest` is where the heart may be, on the image's grid; what lies behind the front of the spine does not count.
 /// Where too little is brighter than `bright_hu`, a lower threshold is taken, and given back. Throws UserError for an
 /// image without contrast.
-Contrast measure_contrast(const WorkingImage& image, const Mask& chest, const Spine& spine, double bright_hu);
+Contrast measure_contrast(const chest::WorkingImage& image, const Mask& chest, const chest::Spine& spine,
+                          double bright_hu);
 
 }  // namespace heartgen::landmarks

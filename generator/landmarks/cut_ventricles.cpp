@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/landmarks/cut_ventricles.hpp"
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/distance.hpp"
-#include "generator/landmarks/working_image.hpp"
 #include "model/labels.hpp"
 
 namespace heartgen::landmarks {
@@ -12,7 +12,7 @@ constexpr double thinnest_left_wall_mm = 4;  // of dilated hearts; its tip may b
 
 Volume<float> distance_to_pool(const LabelVolume& chambers, Region pool) {
   return image::distance_to(
-      mask_where(chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(pool); }));
+      chest::mask_where(chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(pool); }));
 }
 
 }  // namespace

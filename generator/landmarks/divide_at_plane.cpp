@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/components.hpp"
-#include "generator/landmarks/working_image.hpp"
 
 namespace heartgen::landmarks {
 namespace {
@@ -25,7 +25,7 @@ void claim_main_piece(LabelVolume& chambers, const Mask& side, Region region) {
 
 void divide_at_plane(LabelVolume& chambers, Region ventricle, Region beyond, const Vec3& point, const Vec3& normal) {
   const auto on_side = [&](double sign) {
-    return mask_where(chambers.grid, [&](const Vec3& p, std::size_t v) {
+    return chest::mask_where(chambers.grid, [&](const Vec3& p, std::size_t v) {
       const bool blood = chambers.voxels[v] == tag(ventricle) || chambers.voxels[v] == tag(beyond);
       return blood && sign * dot(p - point, normal) > 0;
     });

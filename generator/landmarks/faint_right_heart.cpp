@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
+#include "generator/image/basins.hpp"
 #include "generator/image/components.hpp"
 #include "generator/image/morphology.hpp"
 #include "generator/image/statistics.hpp"
-#include "generator/landmarks/basins.hpp"
 #include "model/labels.hpp"
 
 namespace heartgen::landmarks {
@@ -26,10 +26,10 @@ struct Space {
   Vec3 centre_mm;
 };
 
-std::vector<Space> measure_spaces(const Basins& basins, const anatomy::WallDistances& walls) {
+std::vector<Space> measure_spaces(const image::Basins& basins, const anatomy::WallDistances& walls) {
   std::vector<Space> spaces(static_cast<std::size_t>(basins.count) + 1);
   const double voxel_ml = basins.label.grid.voxel_volume_mm3() / 1000;
-  for_each_voxel(basins.label.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(basins.label.grid, [&](const Vec3& p, std::size_t v) {
     Space& space = spaces[static_cast<std::size_t>(basins.label.voxels[v])];
     space.volume_ml += voxel_ml;
     space.centre_mm += voxel_ml * p;
@@ -43,7 +43,7 @@ std::vector<Space> measure_spaces(const Basins& basins, const anatomy::WallDista
 
 double lowest_z_mm(const LabelVolume& chambers) {
   double lowest = 1e9;
-  for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
     if (chambers.voxels[v] == tag(Region::lv_blood)) lowest = std::min(lowest, p.z);
   });
   return lowest;
@@ -54,7 +54,8 @@ bool may_be_heart(const Space& space, double lowest_mm) {
 }
 
 /// The space across the septum, and those that hang together with it.
-std::vector<std::uint8_t> right_spaces(const Basins& basins, const std::vector<Space>& spaces, double lowest_mm) {
+std::vector<std::uint8_t> right_spaces(const image::Basins& basins, const std::vector<Space>& spaces,
+                                       double lowest_mm) {
   std::vector<std::uint8_t> chosen(spaces.size(), 0);
   std::size_t start = 0;
   for (std::size_t n = 1; n < spaces.size(); ++n)
@@ -80,30 +81,30 @@ std::vector<std::uint8_t> right_spaces(const Basins& basins, const std::vector<S
 
 }  // namespace
 
-std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, const WorkingImage& image,
+std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, const chest::WorkingImage& image,
                                                      const Mask& region, const LongAxis& axis, const Contrast& contrast,
                                                      double muscle_hu) {
   const Grid& grid = chambers.grid;
   const double left_hu = 0.5 * (contrast.soft_hu + contrast.blood_hu);
   const auto is = [&](std::size_t v, Region r) { return chambers.voxels[v] == tag(r); };
-  const Mask lv = mask_where(grid, [&](const Vec3&, std::size_t v) { return is(v, Region::lv_blood); });
-  const Mask other = mask_where(grid, [&](const Vec3&, std::size_t v) {
+  const Mask lv = chest::mask_where(grid, [&](const Vec3&, std::size_t v) { return is(v, Region::lv_blood); });
+  const Mask other = chest::mask_where(grid, [&](const Vec3&, std::size_t v) {
     return !lv.voxels[v] &&
            (is(v, Region::la_blood) || is(v, Region::aorta) || static_cast<double>(image.smooth.voxels[v]) > left_hu);
   });
   const Mask thin =
-      mask_where(grid, [&](const Vec3& p, std::size_t) { return dot(p - axis.base_mm, axis.direction) < 0; });
+      chest::mask_where(grid, [&](const Vec3& p, std::size_t) { return dot(p - axis.base_mm, axis.direction) < 0; });
   const auto walls = anatomy::measure_walls(image.hu, lv, other, muscle_hu);
   const auto inside = anatomy::prior_cavity(walls, thin);
-  const auto basins = divide_at_constrictions(
-      mask_where(grid, [&](const Vec3&, std::size_t v) { return region.voxels[v] && inside.voxels[v] > 0; }));
+  const auto basins = image::divide_at_constrictions(
+      chest::mask_where(grid, [&](const Vec3&, std::size_t v) { return region.voxels[v] && inside.voxels[v] > 0; }));
   const auto chosen = right_spaces(basins, measure_spaces(basins, walls), lowest_z_mm(chambers));
   if (chosen.empty()) return std::nullopt;
-  const Mask compartment = mask_where(
+  const Mask compartment = chest::mask_where(
       grid, [&](const Vec3&, std::size_t v) { return chosen[static_cast<std::size_t>(basins.label.voxels[v])] != 0; });
   const auto grey = anatomy::measure_faint_contrast(image.hu, walls, inside, compartment);
   const auto blood = anatomy::faint_blood(image.hu, walls, inside, compartment, grey);
-  const Mask right = image::largest_component(mask_where(
+  const Mask right = image::largest_component(chest::mask_where(
       grid, [&](const Vec3&, std::size_t v) { return blood.voxels[v] > 0 && !lv.voxels[v] && !other.voxels[v]; }));
   for (std::size_t v = 0; v < right.voxels.size(); ++v) {
     if (is(v, Region::rv_blood)) chambers.voxels[v] = 0;

@@ -21,7 +21,7 @@ struct FaintRightHeart {
 /// replaced). The right heart is the soft tissue across the septum that hangs together through wide ways, once walls of
 /// usual thickness are taken off. `region`: where heart blood may be. Nothing, and `chambers` unchanged, where there is
 /// no such space.
-std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, const WorkingImage& image,
+std::optional<FaintRightHeart> add_faint_right_heart(LabelVolume& chambers, const chest::WorkingImage& image,
                                                      const Mask& region, const LongAxis& axis, const Contrast& contrast,
                                                      double muscle_hu);
 

@@ -10,6 +10,8 @@
 
 #include "generator/anatomy/faint_right_heart.hpp"
 #include "generator/anatomy/hounsfield.hpp"
+#include "generator/chest/spine.hpp"
+#include "generator/chest/trachea.hpp"
 #include "generator/landmarks/anatomy_check.hpp"
 #include "generator/landmarks/assign.hpp"
 #include "generator/landmarks/blood.hpp"
@@ -17,8 +19,6 @@
 #include "generator/landmarks/faint_right_heart.hpp"
 #include "generator/landmarks/right_heart.hpp"
 #include "generator/landmarks/search.hpp"
-#include "generator/landmarks/spine.hpp"
-#include "generator/landmarks/trachea.hpp"
 #include "generator/landmarks/valves.hpp"
 #include "model/error.hpp"
 #include "model/mathematics.hpp"
@@ -40,9 +40,9 @@ Mask refined(const Mask& coarse, const Grid& fine) {
 
 /// The part of the image that matters, and what is known about it.
 struct Scene {
-  WorkingImage image;
+  chest::WorkingImage image;
   Mask region;  ///< where heart blood may be
-  Spine spine;
+  chest::Spine spine;
   Contrast contrast;
   std::size_t ventricle_choice = 0;
 };
@@ -51,8 +51,8 @@ struct Scene {
 Box box_around_heart(const Grid& grid, const Vec3& centre) {
   constexpr double margin_mm = 12;  // shells of muscle around the outermost blood
   Box box;
-  const Index3 middle = nearest_voxel(grid, centre);
-  const auto reach = static_cast<std::int64_t>((heart_reach_mm + margin_mm) / working_spacing_mm);
+  const Index3 middle = chest::nearest_voxel(grid, centre);
+  const auto reach = static_cast<std::int64_t>((heart_reach_mm + margin_mm) / chest::working_spacing_mm);
   for (std::size_t a = 0; a < 3; ++a) {
     box.begin[a] = std::max<std::int64_t>(middle[a] - reach, 0);
     box.end[a] = std::min(middle[a] + reach + 1, grid.size[a]);
@@ -61,7 +61,7 @@ Box box_around_heart(const Grid& grid, const Vec3& centre) {
 }
 
 struct Chambers {
-  WorkingImage image;
+  chest::WorkingImage image;
   LabelVolume labels;
   LongAxis axis;
   std::optional<double> left_of_spine_mm;  ///< middle of the heart's blood
@@ -81,7 +81,7 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   Chambers chambers;
   chambers.image = crop(scene.image, box);
   const Mask blood = heart_blood(crop(all_blood, box), crop(scene.region, box), centre);
-  const auto basins = divide_at_constrictions(blood);
+  const auto basins = image::divide_at_constrictions(blood);
   const auto pools = measure_pools(chambers.image, basins, scene.contrast, scene.spine, centre);
   const auto left = find_left_heart(basins, pools, scene.spine, scene.ventricle_choice);
   if (!left) return std::nullopt;
@@ -114,12 +114,12 @@ constexpr Region pool_regions[] = {Region::lv_blood, Region::rv_blood, Region::l
 void add_seeds(const LabelVolume& chambers, FoundLandmarks& found) {
   for (const Region region : pool_regions) {
     const Mask pool =
-        mask_where(chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(region); });
-    const auto depth = depth_of(pool);
+        chest::mask_where(chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(region); });
+    const auto depth = chest::depth_of(pool);
     double voxels = 0;
     float deepest = 0;
     Vec3 seed;
-    for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+    chest::for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
       voxels += pool.voxels[v];
       if (!pool.voxels[v] || depth.voxels[v] <= deepest) return;
       deepest = depth.voxels[v];
@@ -152,15 +152,15 @@ double slant_deg(const Mat3& direction) {
 
 /// What is searched, and how far its frame can be trusted.
 struct Subject {
-  WorkingImage image;
+  chest::WorkingImage image;
   Volume<float> coarse;
-  Thorax thorax;
+  chest::Thorax thorax;
   double bright_hu = 0;
   std::size_t ventricle_choice = 0;  ///< 0: what looks most like a left ventricle
   bool slanted = false;              ///< by the header
 };
 
-Scene set_scene(const Subject& subject, const Spine& spine) {
+Scene set_scene(const Subject& subject, const chest::Spine& spine) {
   const Mask chest = refined(subject.thorax.chest, subject.image.hu.grid);
   const auto box = bounding_box(chest, 0, [](std::uint8_t set) { return set != 0; });
   Scene scene{crop(subject.image, box), crop(chest, box), spine, {}, subject.ventricle_choice};
@@ -173,7 +173,8 @@ SearchResult search_in(const Subject& subject, const Scene& scene) {
   Chambers chambers = find_chambers(scene);
   SearchResult result;
   FoundLandmarks& found = result.found;
-  if (const auto trachea = find_trachea(subject.image.hu, scene.spine)) found.landmarks.seeds_mm["trachea"] = *trachea;
+  if (const auto trachea = chest::find_trachea(subject.image.hu, scene.spine))
+    found.landmarks.seeds_mm["trachea"] = *trachea;
   const auto valves = find_valves(chambers.labels, chambers.image, chambers.axis, chambers.right);
   refuse_upside_down(valves);
   keep_main_pieces(chambers.labels);
@@ -196,12 +197,12 @@ SearchResult search_in(const Subject& subject, const Scene& scene) {
 /// A field of view that ends in the lungs may not hold the spine, and what was taken for it may be an atrium.
 SearchResult search_in(const Subject& subject) {
   constexpr double surely_unlike = 0.25, surely_like = 0.15;
-  const Thorax& thorax = subject.thorax;
+  const chest::Thorax& thorax = subject.thorax;
   if (!thorax.back_is_cut) return search_in(subject, set_scene(subject, thorax.spine));
-  const Scene scene = set_scene(subject, spine_behind(subject.coarse.grid));
-  const double unlike = share_unlike_spine(thorax.spine, subject.coarse, thorax.lung, scene.contrast.blood_hu);
+  const Scene scene = set_scene(subject, chest::spine_behind(subject.coarse.grid));
+  const double unlike = chest::share_unlike_spine(thorax.spine, subject.coarse, thorax.lung, scene.contrast.blood_hu);
   if (unlike > surely_unlike) return search_in(subject, scene);
-  Spine spine = thorax.spine;
+  chest::Spine spine = thorax.spine;
   spine.is_sure = unlike < surely_like;
   return search_in(subject, set_scene(subject, spine));
 }
@@ -249,9 +250,9 @@ SearchResult search_until_plausible(Subject& subject) {
 Subject make_subject(const CtVolume& ct) {
   anatomy::require_hounsfield(ct);
   Subject subject;
-  subject.image = make_working_image(ct);
-  subject.coarse = thinned(subject.image.smooth, coarse_step);
-  subject.thorax = find_thorax(subject.coarse);
+  subject.image = chest::make_working_image(ct);
+  subject.coarse = chest::thinned(subject.image.smooth, coarse_step);
+  subject.thorax = chest::find_thorax(subject.coarse);
   subject.bright_hu = bright_threshold(subject.coarse);
   return subject;
 }

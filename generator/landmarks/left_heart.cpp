@@ -49,14 +49,14 @@ bool contains(const std::vector<std::int32_t>& set, std::int32_t label) {
 }
 
 /// Widest way from a basin into the ventricle, mm and relative to the narrower one.
-double widest(const Basins& basins, const std::vector<std::int32_t>& ventricle, std::int32_t label) {
+double widest(const image::Basins& basins, const std::vector<std::int32_t>& ventricle, std::int32_t label) {
   double best = 0;
   for (const auto part : ventricle) best = std::max(best, basins.width(label, part));
   return best;
 }
 
 /// Adds muscular basins that hang together with the main one: an apex behind large papillary muscles.
-void grow_ventricle(const Basins& basins, const Pools& pools, std::vector<std::int32_t>& ventricle) {
+void grow_ventricle(const image::Basins& basins, const Pools& pools, std::vector<std::int32_t>& ventricle) {
   constexpr double min_muscle_share = 0.5, min_relative_width = 0.55;
   for (bool grown = true; grown;) {
     grown = false;
@@ -79,7 +79,7 @@ struct Group {
   double volume_ml = 0, top_mm = 0;
 };
 
-Group group_around(const Basins& basins, const Pools& pools, const std::vector<std::int32_t>& ventricle,
+Group group_around(const image::Basins& basins, const Pools& pools, const std::vector<std::int32_t>& ventricle,
                    std::int32_t label) {
   constexpr double min_relative_width = 0.8;
   Group group{{label}, 0, pools.at(label).top_mm};
@@ -96,7 +96,7 @@ Group group_around(const Basins& basins, const Pools& pools, const std::vector<s
 }
 
 /// The two large neighbours with the widest ways into the ventricle; fewer where there are fewer.
-std::vector<std::int32_t> neighbours_of_ventricle(const Basins& basins, const Pools& pools,
+std::vector<std::int32_t> neighbours_of_ventricle(const image::Basins& basins, const Pools& pools,
                                                   const std::vector<std::int32_t>& ventricle) {
   constexpr double min_width_mm = 3, min_ml = 15, min_own_ml = 5, min_depth_mm = 8, max_muscle_share = 0.5;
   std::vector<std::int32_t> result;
@@ -121,7 +121,7 @@ bool is_apex_alone(const Pools& pools, const std::vector<std::int32_t>& neighbou
 }
 
 /// The aorta reaches higher than the atrium, leaves the ventricle farther in front and lies farther in front.
-double aorta_vote(const Basins& basins, const Pools& pools, std::int32_t label, const Spine& spine,
+double aorta_vote(const image::Basins& basins, const Pools& pools, std::int32_t label, const chest::Spine& spine,
                   const std::vector<std::int32_t>& ventricle) {
   constexpr double height_scale_mm = 20, contact_scale_mm = 10, centre_scale_mm = 20;
   const auto contact = contact_surface(
@@ -133,10 +133,10 @@ double aorta_vote(const Basins& basins, const Pools& pools, std::int32_t label, 
 }
 
 /// A long tube of even width beside the spine, behind the middle of the left atrium.
-bool is_descending_aorta(const Pool& pool, const Pool& atrium, const Spine& spine) {
+bool is_descending_aorta(const Pool& pool, const Pool& atrium, const chest::Spine& spine) {
   constexpr double min_ml = 5, shortest_mm = 45, thinnest_mm = 5, thickest_mm = 20, max_uneven_hu = 60;
   constexpr double right_mm = -10, left_mm = 40, from_spine_mm = 62, min_filling = 0.5, max_filling = 2.2;
-  const double length = pool.top_mm - pool.bottom_mm + working_spacing_mm;
+  const double length = pool.top_mm - pool.bottom_mm + chest::working_spacing_mm;
   const double tube_ml = std::numbers::pi * pool.depth_mm * pool.depth_mm * length / 1000;
   const double filling = pool.volume_ml / tube_ml;
   const Vec3 off = pool.centre_mm - spine.at(pool.centre_mm.z);
@@ -148,7 +148,7 @@ bool is_descending_aorta(const Pool& pool, const Pool& atrium, const Spine& spin
 
 }  // namespace
 
-std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine,
+std::optional<LeftHeart> find_left_heart(const image::Basins& basins, const Pools& pools, const chest::Spine& spine,
                                          std::size_t choice) {
   const auto candidates = candidates_by_score(pools);
   if (choice >= candidates.size()) return std::nullopt;

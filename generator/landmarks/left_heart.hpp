@@ -19,7 +19,7 @@ struct LeftHeart {
 /// neighbours. Large papillary muscles can part its apex from its base: they are put together. `choice` 0 is the basin
 /// that looks most like a left ventricle, 1 the next. Nothing where there is no such basin, or where it has fewer than
 /// two neighbours. Throws UserError where no basin has a muscular shell.
-std::optional<LeftHeart> find_left_heart(const Basins& basins, const Pools& pools, const Spine& spine,
+std::optional<LeftHeart> find_left_heart(const image::Basins& basins, const Pools& pools, const chest::Spine& spine,
                                          std::size_t choice = 0);
 
 }  // namespace heartgen::landmarks

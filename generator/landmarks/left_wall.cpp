@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/distance.hpp"
 #include "generator/image/statistics.hpp"
-#include "generator/landmarks/working_image.hpp"
 
 namespace heartgen::landmarks {
 
@@ -16,7 +16,7 @@ LeftWall look_at_left_wall(const LabelVolume& chambers, const Volume<float>& smo
   for (std::size_t v = 0; v < chambers.voxels.size(); ++v)
     if (chambers.voxels[v] == tag(Region::lv_blood)) blood.push_back(smooth.voxels[v]);
   const auto bone_hu = static_cast<float>(image::median(blood)) + brighter_hu;
-  const auto distance = image::distance_to(mask_where(
+  const auto distance = image::distance_to(chest::mask_where(
       chambers.grid, [&](const Vec3&, std::size_t v) { return chambers.voxels[v] == tag(Region::lv_blood); }));
   double all = 0, muscle = 0, bone = 0;
   for (std::size_t v = 0; v < distance.voxels.size(); ++v) {

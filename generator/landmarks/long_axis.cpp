@@ -20,7 +20,7 @@ constexpr float fat_hu = 0;
 
 std::vector<Vec3> voxels_of(const LabelVolume& chambers, Region region) {
   std::vector<Vec3> points;
-  for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
     if (chambers.voxels[v] == tag(region)) points.push_back(p);
   });
   return points;

@@ -2,7 +2,7 @@
 /// @file
 /// Private to this folder: the left ventricle's long axis and apex.
 #pragma once
-#include "generator/landmarks/working_image.hpp"
+#include "generator/chest/working_image.hpp"
 
 namespace heartgen::landmarks {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/gaussian.hpp"
 #include "generator/image/sections.hpp"
-#include "generator/landmarks/working_image.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/mathematics.hpp"
 

@@ -26,7 +26,7 @@ constexpr std::int64_t margin_voxels = 8;
 /// Soft tissue in sheets: what a ventricular wall looks like.
 Mask thin_muscle(const Volume<float>& smooth, double bright_hu) {
   const double limit = std::min(bright_hu, brightest_muscle_hu);
-  const Mask muscle = mask_where(smooth.grid, [&](const Vec3&, std::size_t v) {
+  const Mask muscle = chest::mask_where(smooth.grid, [&](const Vec3&, std::size_t v) {
     return smooth.voxels[v] > fat_hu && static_cast<double>(smooth.voxels[v]) <= limit;
   });
   return image::subtract(muscle, image::open(muscle, thick_mm));
@@ -38,7 +38,7 @@ struct Extent {
   Vec3 sum;
 };
 
-std::vector<Extent> extents_of(const Basins& basins) {
+std::vector<Extent> extents_of(const image::Basins& basins) {
   std::vector<Extent> extents(static_cast<std::size_t>(basins.count) + 1);
   const Grid& grid = basins.label.grid;
   std::size_t v = 0;
@@ -49,7 +49,7 @@ std::vector<Extent> extents_of(const Basins& basins) {
         Extent& e = extents[static_cast<std::size_t>(basins.label.voxels[v])];
         const Index3 at{i, j, k};
         ++e.voxels;
-        e.sum += position_mm(grid, i, j, k);
+        e.sum += chest::position_mm(grid, i, j, k);
         for (std::size_t a = 0; a < 3; ++a) {
           e.box.begin[a] = std::min(e.box.begin[a], at[a]);
           e.box.end[a] = std::max(e.box.end[a], at[a] + 1);
@@ -69,7 +69,7 @@ Box grown(Box box, const Grid& grid) {
 void measure_shell(const Volume<float>& smooth, const Mask& muscle, const Volume<std::int32_t>& labels,
                    std::int32_t label, Pool& pool) {
   const auto distance = image::distance_to(
-      mask_where(labels.grid, [&](const Vec3&, std::size_t v) { return labels.voxels[v] == label; }));
+      chest::mask_where(labels.grid, [&](const Vec3&, std::size_t v) { return labels.voxels[v] == label; }));
   double shell = 0, in_muscle = 0, dark = 0;
   std::vector<float> grey;
   for (std::size_t v = 0; v < distance.voxels.size(); ++v) {
@@ -106,8 +106,8 @@ void measure_grey(const Volume<float>& hu, const Volume<float>& smooth, const Vo
 
 }  // namespace
 
-Pools measure_pools(const WorkingImage& image, const Basins& basins, const Contrast& contrast, const Spine& spine,
-                    const Vec3& heart_centre) {
+Pools measure_pools(const chest::WorkingImage& image, const image::Basins& basins, const Contrast& contrast,
+                    const chest::Spine& spine, const Vec3& heart_centre) {
   const Grid& grid = basins.label.grid;
   const Mask muscle = thin_muscle(image.smooth, contrast.bright_hu);
   const auto extents = extents_of(basins);
@@ -118,8 +118,8 @@ Pools measure_pools(const WorkingImage& image, const Basins& basins, const Contr
     pool.volume_ml = static_cast<double>(extent.voxels) * grid.voxel_volume_mm3() / 1000;
     if (pool.volume_ml < smallest_pool_ml) continue;
     pool.centre_mm = extent.sum / static_cast<double>(extent.voxels);
-    pool.bottom_mm = position_mm(grid, 0, 0, extent.box.begin[2]).z;
-    pool.top_mm = position_mm(grid, 0, 0, extent.box.end[2] - 1).z;
+    pool.bottom_mm = chest::position_mm(grid, 0, 0, extent.box.begin[2]).z;
+    pool.top_mm = chest::position_mm(grid, 0, 0, extent.box.end[2] - 1).z;
     const auto box = grown(extent.box, grid);
     const auto labels = crop(basins.label, box);
     const auto smooth = crop(image.smooth, box);
@@ -134,7 +134,7 @@ Pools measure_pools(const WorkingImage& image, const Basins& basins, const Contr
   return pools;
 }
 
-double relative_width(const Basins& basins, const Pools& pools, std::int32_t a, std::int32_t b) {
+double relative_width(const image::Basins& basins, const Pools& pools, std::int32_t a, std::int32_t b) {
   return basins.width(a, b) / std::min(pools.at(a).depth_mm, pools.at(b).depth_mm);
 }
 

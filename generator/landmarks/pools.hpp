@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "generator/landmarks/basins.hpp"
+#include "generator/image/basins.hpp"
 #include "generator/landmarks/contrast.hpp"
 #include "model/labels.hpp"
 
@@ -28,13 +28,13 @@ struct Pool {
 /// Basins of 1.5 ml and more by label.
 using Pools = std::map<std::int32_t, Pool>;
 
-Pools measure_pools(const WorkingImage& image, const Basins& basins, const Contrast& contrast, const Spine& spine,
-                    const Vec3& heart_centre);
+Pools measure_pools(const chest::WorkingImage& image, const image::Basins& basins, const Contrast& contrast,
+                    const chest::Spine& spine, const Vec3& heart_centre);
 
 /// The chamber or vessel of each basin that has one.
 using Assignment = std::map<std::int32_t, Region>;
 
 /// Way from one pool to another relative to the narrower of the two, 0 to 1.
-double relative_width(const Basins& basins, const Pools& pools, std::int32_t a, std::int32_t b);
+double relative_width(const image::Basins& basins, const Pools& pools, std::int32_t a, std::int32_t b);
 
 }  // namespace heartgen::landmarks

@@ -5,9 +5,9 @@
 #include <array>
 #include <vector>
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/distance.hpp"
 #include "generator/image/sections.hpp"
-#include "generator/landmarks/working_image.hpp"
 #include "model/mathematics.hpp"
 
 namespace heartgen::landmarks {
@@ -33,15 +33,15 @@ struct Station {
 /// What the walk looks at.
 struct Scenery {
   const LabelVolume& chambers;
-  const WorkingImage& image;
+  const chest::WorkingImage& image;
   const std::optional<FaintRightHeart>& faint;
   Volume<float> blood;     ///< 1 in ventricle and artery
   Volume<float> distance;  ///< to that blood, mm
 };
 
-Scenery make_scenery(const LabelVolume& chambers, const WorkingImage& image,
+Scenery make_scenery(const LabelVolume& chambers, const chest::WorkingImage& image,
                      const std::optional<FaintRightHeart>& faint) {
-  const Mask mask = mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
+  const Mask mask = chest::mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
     return chambers.voxels[v] == tag(Region::rv_blood) || chambers.voxels[v] == tag(Region::pulmonary_artery);
   });
   Volume<float> blood(mask.grid);
@@ -58,7 +58,8 @@ void for_each_voxel_around(const Grid& grid, const image::Section& section, cons
   const auto reach = static_cast<int>((0.7 * section.diameter_mm() + beyond_mm) / pixel_mm);
   for (int b = -reach; b <= reach; ++b)
     for (int a = -reach; a <= reach; ++a) {
-      const auto at = nearest_voxel(grid, section.centre_mm + (a * pixel_mm) * frame.u + (b * pixel_mm) * frame.v);
+      const auto at =
+          chest::nearest_voxel(grid, section.centre_mm + (a * pixel_mm) * frame.u + (b * pixel_mm) * frame.v);
       if (grid.contains(at[0], at[1], at[2])) visit(static_cast<std::size_t>(grid.offset(at[0], at[1], at[2])));
     }
 }
@@ -152,7 +153,7 @@ Vec3 blood_middle(const Scenery& scenery, const image::Section& section, const V
     for (int a = -reach; a <= reach; ++a) {
       if (math::hypot(a, b) * pixel_mm > radius_mm) continue;
       const Vec3 p = section.centre_mm + (a * pixel_mm) * frame.u + (b * pixel_mm) * frame.v;
-      const auto at = nearest_voxel(scenery.blood.grid, p);
+      const auto at = chest::nearest_voxel(scenery.blood.grid, p);
       if (!scenery.blood.grid.contains(at[0], at[1], at[2]) || scenery.blood(at[0], at[1], at[2]) == 0) continue;
       sum += p;
       pixels += 1;
@@ -285,7 +286,7 @@ ValvePatch end_of_walk_or_start(const std::vector<Station>& stations, const Valv
 
 }  // namespace
 
-ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage& image,
+ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const chest::WorkingImage& image,
                                 const std::optional<FaintRightHeart>& faint, const ValvePatch& start,
                                 const std::optional<Vec3>& typical_mm) {
   const Scenery scenery = make_scenery(chambers, image, faint);

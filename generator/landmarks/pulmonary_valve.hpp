@@ -12,7 +12,7 @@ namespace heartgen::landmarks {
 /// no sure inner surface of a wall, the valve is where the tissue next to the fat darkens from muscle to the artery's
 /// thin wall. `start` is where the two pools were parted. Where no wall tells, it is the end of the walk or `start`,
 /// whichever is nearer to `typical_mm`, the place where it usually lies.
-ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const WorkingImage& image,
+ValvePatch find_pulmonary_valve(const LabelVolume& chambers, const chest::WorkingImage& image,
                                 const std::optional<FaintRightHeart>& faint, const ValvePatch& start,
                                 const std::optional<Vec3>& typical_mm);
 

@@ -20,7 +20,7 @@ constexpr float deep_mm = 3;              // markers stay clear of the walls
 
 /// Standard deviation of the grey value deep inside.
 double unevenness_hu(const Mask& pool, const Volume<float>& smooth) {
-  const auto depth = depth_of(pool);
+  const auto depth = chest::depth_of(pool);
   double n = 0, sum = 0, squares = 0;
   for (std::size_t v = 0; v < pool.voxels.size(); ++v) {
     if (depth.voxels[v] <= deep_mm) continue;
@@ -34,12 +34,12 @@ double unevenness_hu(const Mask& pool, const Volume<float>& smooth) {
 
 Mask closed_right_heart(const LabelVolume& chambers, const Volume<float>& smooth) {
   const Mask right = image::mask_of(chambers, Region::rv_blood);
-  const Mask others = mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
+  const Mask others = chest::mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
     return chambers.voxels[v] != 0 && chambers.voxels[v] != tag(Region::rv_blood);
   });
   const Mask near_others = image::dilate(others, wall_mm);
   const Mask closed = image::close(right, streak_mm);
-  return mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
+  return chest::mask_where(chambers.grid, [&](const Vec3&, std::size_t v) {
     return right.voxels[v] || (closed.voxels[v] && !near_others.voxels[v] && chambers.voxels[v] == 0 &&
                                smooth.voxels[v] > darkest_streak_hu);
   });
@@ -78,7 +78,7 @@ std::vector<image::Marker> certain_markers(const Volume<float>& depth, const Fra
     for (std::int64_t j = 0; j < depth.grid.size[1]; ++j)
       for (std::int64_t i = 0; i < depth.grid.size[0]; ++i, ++v) {
         if (depth.voxels[v] <= deep_mm) continue;
-        const Region region = certain_chamber(frame, position_mm(depth.grid, i, j, k));
+        const Region region = certain_chamber(frame, chest::position_mm(depth.grid, i, j, k));
         if (region != Region::none) markers.push_back({tag(region), {i, j, k}});
       }
   return markers;
@@ -91,7 +91,7 @@ void mark_cut_artery(const Volume<float>& depth, const Frame& frame, std::vector
   const std::int64_t k = depth.grid.size[2] - 1;
   for (std::int64_t j = 0; j < depth.grid.size[1]; ++j)
     for (std::int64_t i = 0; i < depth.grid.size[0]; ++i) {
-      const Vec3 p = position_mm(depth.grid, i, j, k);
+      const Vec3 p = chest::position_mm(depth.grid, i, j, k);
       if (depth(i, j, k) > deep_mm && frame.towards_artery(p) > min_towards_artery_mm &&
           frame.towards_apex(p) < max_towards_apex_mm)
         markers.push_back({tag(Region::pulmonary_artery), {i, j, k}});
@@ -108,7 +108,7 @@ Mask piece_beside(const Mask& all, const Mask& neighbour) {
   const auto most = std::max_element(touching.begin(), touching.end());
   if (*most == 0) return image::largest_component(all);
   const auto chosen = static_cast<std::int32_t>(most - touching.begin());
-  return mask_where(all.grid, [&](const Vec3&, std::size_t v) { return parts.label.voxels[v] == chosen; });
+  return chest::mask_where(all.grid, [&](const Vec3&, std::size_t v) { return parts.label.voxels[v] == chosen; });
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ bool split_right_heart(LabelVolume& chambers, const Volume<float>& smooth, const
   Mask right = image::mask_of(chambers, Region::rv_blood);
   const bool streaks = unevenness_hu(right, smooth) > streaks_hu;
   if (streaks) right = closed_right_heart(chambers, smooth);  // else it would bridge the groove beside the valve
-  const auto depth = depth_of(right);
+  const auto depth = chest::depth_of(right);
   const Frame frame = make_frame(chambers, axis);
   auto markers = certain_markers(depth, frame);
   mark_cut_artery(depth, frame, markers);

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "generator/anatomy/faint_blood.hpp"
+#include "generator/chest/working_image.hpp"
 #include "generator/image/sections.hpp"
-#include "generator/landmarks/working_image.hpp"
 #include "model/labels.hpp"
 
 namespace heartgen::landmarks {
@@ -56,13 +56,13 @@ std::optional<ValvePatch> narrowest_tricuspid(const LabelVolume& chambers, const
                                               const ValvePatch& usual) {
   constexpr double reach_mm = 12;
   const auto is = [&](std::size_t v, Region region) { return chambers.voxels[v] == tag(region); };
-  const Mask lv = mask_where(hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::lv_blood); });
-  const Mask other =
-      mask_where(hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::la_blood) || is(v, Region::aorta); });
+  const Mask lv = chest::mask_where(hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::lv_blood); });
+  const Mask other = chest::mask_where(
+      hu.grid, [&](const Vec3&, std::size_t v) { return is(v, Region::la_blood) || is(v, Region::aorta); });
   const auto walls = anatomy::measure_walls(hu, lv, other, muscle_hu);
   Volume<float> cavity = anatomy::prior_cavity(walls, Mask(hu.grid, 1));
   for (float& inside : cavity.voxels)  // 1 inside, 0 outside, half-way at the wall
-    inside = std::clamp(inside / static_cast<float>(working_spacing_mm) + 0.5F, 0.0F, 1.0F);
+    inside = std::clamp(inside / static_cast<float>(chest::working_spacing_mm) + 0.5F, 0.0F, 1.0F);
   const auto plane = image::tightest_plane(cavity, usual.centre_mm, usual.normal, reach_mm);
   if (!plane) return std::nullopt;
   ValvePatch valve = usual;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "generator/landmarks/valves.hpp"
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/sections.hpp"
 #include "generator/image/statistics.hpp"
 #include "generator/landmarks/divide_at_plane.hpp"
 #include "generator/landmarks/orifice.hpp"
 #include "generator/landmarks/pulmonary_valve.hpp"
 #include "generator/landmarks/usual_valves.hpp"
-#include "generator/landmarks/working_image.hpp"
 
 namespace heartgen::landmarks {
 namespace {
@@ -25,7 +25,7 @@ Vec3 root_direction(const LabelVolume& chambers, Region vessel, const ValvePatch
   constexpr std::size_t min_voxels = 30, min_slices = 3;
   constexpr int rounds = 4, slices = 7;
   std::vector<Vec3> offsets, first;
-  for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
     if (chambers.voxels[v] != tag(vessel)) return;
     const Vec3 q = p - valve.centre_mm;
     if (norm(q) > near_mm && norm(q) < far_mm) first.push_back(q);
@@ -105,7 +105,7 @@ ValvePatch tightest_tricuspid(const LabelVolume& chambers, const ValvePatch& sta
 }
 
 /// The tricuspid valve; `start` is where the flood parted atrium and ventricle, up to 15 mm below the valve.
-ValvePatch find_tricuspid(LabelVolume& chambers, const WorkingImage& image, const RightHeartLook& right,
+ValvePatch find_tricuspid(LabelVolume& chambers, const chest::WorkingImage& image, const RightHeartLook& right,
                           const ValvePatch& start, const std::optional<ValvePatch>& usual) {
   using enum Region;
   ValvePatch valve = tightest_tricuspid(chambers, start, usual);
@@ -118,7 +118,7 @@ ValvePatch find_tricuspid(LabelVolume& chambers, const WorkingImage& image, cons
   return *orifice;
 }
 
-ValvePatch find_pulmonary(LabelVolume& chambers, const WorkingImage& image, const RightHeartLook& right,
+ValvePatch find_pulmonary(LabelVolume& chambers, const chest::WorkingImage& image, const RightHeartLook& right,
                           const ValvePatch& start, const std::optional<Vec3>& typical_mm) {
   using enum Region;
   ValvePatch valve = find_pulmonary_valve(chambers, image, right.faint, start, typical_mm);
@@ -130,7 +130,7 @@ ValvePatch find_pulmonary(LabelVolume& chambers, const WorkingImage& image, cons
 }
 
 /// The tricuspid valve of a right heart full of streaks, in the groove; where the flood parted it, if there is none.
-void find_tricuspid_in_streaks(LabelVolume& chambers, const WorkingImage& image, double muscle_hu,
+void find_tricuspid_in_streaks(LabelVolume& chambers, const chest::WorkingImage& image, double muscle_hu,
                                const ValvePatch& usual, std::map<std::string, ValvePatch>& valves) {
   using enum Region;
   auto valve = narrowest_tricuspid(chambers, image.hu, muscle_hu, usual);
@@ -141,8 +141,8 @@ void find_tricuspid_in_streaks(LabelVolume& chambers, const WorkingImage& image,
 
 }  // namespace
 
-std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const WorkingImage& image, const LongAxis& axis,
-                                              const RightHeartLook& right) {
+std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const chest::WorkingImage& image,
+                                              const LongAxis& axis, const RightHeartLook& right) {
   using enum Region;
   std::map<std::string, ValvePatch> valves;
   const auto add = [&](const std::string& name, Region ventricle, Region beyond) {

@@ -19,7 +19,7 @@ struct RightHeartLook {
 
 /// Valves by name (mitral, aortic, tricuspid, pulmonary), as far as their two pools touch. `image` is on the chambers'
 /// grid. The border between the right heart's pools moves to the planes that are found.
-std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const WorkingImage& image, const LongAxis& axis,
-                                              const RightHeartLook& right);
+std::map<std::string, ValvePatch> find_valves(LabelVolume& chambers, const chest::WorkingImage& image,
+                                              const LongAxis& axis, const RightHeartLook& right);
 
 }  // namespace heartgen::landmarks

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The pieces of the search that have a closed form: basins, contacts, sections, statistics.
-#include "generator/landmarks/basins.hpp"
+#include "generator/image/basins.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,23 +18,23 @@ namespace {
 Grid box_of(std::int64_t x, std::int64_t y, std::int64_t z) {
   Grid grid;
   grid.size = {x, y, z};
-  grid.spacing_mm = {working_spacing_mm, working_spacing_mm, working_spacing_mm};
+  grid.spacing_mm = {chest::working_spacing_mm, chest::working_spacing_mm, chest::working_spacing_mm};
   return grid;
 }
 
 /// Two balls of 15 mm, 36 mm apart, joined by a tube.
 Mask dumbbell(double tube_radius_mm) {
   const Vec3 a{30, 30, 30}, b{66, 30, 30};
-  return mask_where(box_of(64, 41, 41), [&](const Vec3& p, std::size_t) {
+  return chest::mask_where(box_of(64, 41, 41), [&](const Vec3& p, std::size_t) {
     const bool in_tube = p.x > a.x && p.x < b.x && std::hypot(p.y - a.y, p.z - a.z) < tube_radius_mm;
     return norm(p - a) < 15 || norm(p - b) < 15 || in_tube;
   });
 }
 
 TEST(Basins, AreDividedAtAConstriction) {
-  const auto basins = divide_at_constrictions(dumbbell(8));
+  const auto basins = image::divide_at_constrictions(dumbbell(8));
   ASSERT_EQ(basins.count, 2);
-  EXPECT_NEAR(basins.width(1, 2), 8, working_spacing_mm);
+  EXPECT_NEAR(basins.width(1, 2), 8, chest::working_spacing_mm);
   EXPECT_EQ(basins.width(1, 2), basins.width(2, 1));
   EXPECT_NE(basins.label(20, 20, 20), basins.label(44, 20, 20));
   // The line lies in the tube, which is equally wide for 5 mm on both sides of the middle.
@@ -44,18 +44,20 @@ TEST(Basins, AreDividedAtAConstriction) {
   EXPECT_NEAR(norm(contact.area_mm2), std::numbers::pi * 64, 0.12 * std::numbers::pi * 64);
 }
 
-TEST(Basins, AreOneWhereTheWayIsAsWideAsThemselves) { EXPECT_EQ(divide_at_constrictions(dumbbell(14.5)).count, 1); }
+TEST(Basins, AreOneWhereTheWayIsAsWideAsThemselves) {
+  EXPECT_EQ(image::divide_at_constrictions(dumbbell(14.5)).count, 1);
+}
 
 TEST(Basins, IgnoreWhatHasNoDepth) {
   Mask mask(box_of(20, 20, 20));
   mask(10, 10, 10) = mask(11, 10, 10) = 1;
-  const auto basins = divide_at_constrictions(mask);
+  const auto basins = image::divide_at_constrictions(mask);
   EXPECT_EQ(basins.count, 0);
 }
 
 TEST(ValvePatch, IsTheDiscBetweenTwoPools) {
   LabelVolume chambers(box_of(40, 40, 40));
-  for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
     if (std::hypot(p.x - 30, p.y - 30) < 12) chambers.voxels[v] = tag(p.z < 30.5 ? Region::lv_blood : Region::aorta);
   });
   const auto patch = find_valve_patch(chambers, Region::lv_blood, Region::aorta);
@@ -70,7 +72,7 @@ TEST(ValvePatch, IsTheDiscBetweenTwoPools) {
 TEST(Sections, OfAnObliqueTubeAreTightestAcrossIt) {
   const Vec3 axis = normalized(Vec3{1, 0, 2}), centre{30, 30, 30};
   Volume<float> blood(box_of(41, 41, 41));
-  for_each_voxel(blood.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(blood.grid, [&](const Vec3& p, std::size_t v) {
     const double along = dot(p - centre, axis);
     const double radius = 9 + 0.02 * along * along;  // narrowest at the centre
     blood.voxels[v] = norm(p - centre - along * axis) < radius;
@@ -85,7 +87,7 @@ TEST(Sections, OfAnObliqueTubeAreTightestAcrossIt) {
 TEST(DivideAtPlane, LeavesWhatBulgesPastThePlane) {
   // An atrium above z = 30 over a ventricle below, and a recess of the ventricle beside the atrium.
   LabelVolume chambers(box_of(40, 20, 40));
-  for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(chambers.grid, [&](const Vec3& p, std::size_t v) {
     const bool atrium = p.x < 25 && p.z >= 24, ventricle = p.z<24, recess = p.x> 35 && p.z < 45;
     if (ventricle || recess || atrium) chambers.voxels[v] = tag(atrium ? Region::ra_blood : Region::rv_blood);
   });

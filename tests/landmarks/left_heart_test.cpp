@@ -11,7 +11,7 @@ namespace {
 
 enum Label : std::int32_t { aorta = 1, atrium, base, apex };
 
-const Spine spine{-100, 200, {0, 0}, {80, 80}};
+const chest::Spine spine{-100, 200, {0, 0}, {80, 80}};
 
 Pool pool(double volume_ml, const Vec3& centre_mm, double muscle_share) {
   Pool p;
@@ -27,7 +27,7 @@ Pool pool(double volume_ml, const Vec3& centre_mm, double muscle_share) {
 }
 
 struct Heart {
-  Basins basins;
+  image::Basins basins;
   Pools pools;
 };
 

@@ -9,10 +9,10 @@
 #include <random>
 
 #include "datasets/phantom/anatomy.hpp"
+#include "generator/chest/working_image.hpp"
 #include "generator/image/sections.hpp"
 #include "generator/image/statistics.hpp"
 #include "generator/landmarks/usual_valves.hpp"
-#include "generator/landmarks/working_image.hpp"
 #include "support/noise.hpp"
 
 namespace heartgen::landmarks {
@@ -55,7 +55,7 @@ Scan scan(const Bag& bag, unsigned seed) {
   walls = {Volume<float>(grid), Volume<float>(grid, 100.0F), Volume<float>(grid, 100.0F), 10};
   result.right.near = Mask(grid, 1);
   std::mt19937 bits(seed);
-  for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
     const double noise = testing::noise(bits);
     result.hu.voxels[v] = static_cast<float>(hu_at(bag, p) + bag.noise_hu * noise);
     walls.from_outside.voxels[v] = static_cast<float>(std::max(bag_mm - norm(p), 0.0));

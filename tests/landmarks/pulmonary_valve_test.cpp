@@ -8,8 +8,8 @@
 #include <cmath>
 #include <random>
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/gaussian.hpp"
-#include "generator/landmarks/working_image.hpp"
 #include "model/labels.hpp"
 #include "support/noise.hpp"
 
@@ -35,7 +35,7 @@ double hu_at(const Vec3& p, double valve_mm, bool collar) {
 }
 
 struct Scene {
-  WorkingImage image;
+  chest::WorkingImage image;
   LabelVolume chambers;
   FaintRightHeart right;
 };
@@ -44,11 +44,11 @@ struct Scene {
 Scene make_scene(double valve_mm, double noise_hu, bool collar = false) {
   Grid grid;
   grid.size = {32, 32, 48};
-  grid.spacing_mm = {working_spacing_mm, working_spacing_mm, working_spacing_mm};
+  grid.spacing_mm = {chest::working_spacing_mm, chest::working_spacing_mm, chest::working_spacing_mm};
   grid.origin_mm = {-23.25, -23.25, -35.25};
   Scene scene{{Volume<float>(grid), {}}, LabelVolume(grid), {}};
   std::mt19937 bits(7);
-  for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
+  chest::for_each_voxel(grid, [&](const Vec3& p, std::size_t v) {
     double sum = 0;
     const double noise = testing::noise(bits);
     for (int part = 0; part < 27; ++part) {

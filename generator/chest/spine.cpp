@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "generator/landmarks/spine.hpp"
+#include "generator/chest/spine.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/gaussian.hpp"
-#include "generator/landmarks/working_image.hpp"
 #include "model/mathematics.hpp"
 #include "model/quantile.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::chest {
 namespace {
 
 constexpr float bone_hu = 150, brightest_hu = 200;  // beyond, it is rather the aorta that is filled with contrast
@@ -200,4 +200,4 @@ Vec3 Spine::at(double z_mm) const {
   return {x_mm[n], y_mm[n], z_mm};
 }
 
-}  // namespace heartgen::landmarks
+}  // namespace heartgen::chest

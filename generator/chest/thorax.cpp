@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "generator/landmarks/thorax.hpp"
+#include "generator/chest/thorax.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "generator/chest/spine.hpp"
 #include "generator/image/components.hpp"
 #include "generator/image/convex_slices.hpp"
 #include "generator/image/morphology.hpp"
 #include "generator/image/slices.hpp"
 #include "generator/image/statistics.hpp"
-#include "generator/landmarks/spine.hpp"
 #include "model/error.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::chest {
 namespace {
 
 constexpr float lung_limit_hu = -500;      // half-way between lung (-850) and soft tissue
@@ -89,4 +89,4 @@ Thorax find_thorax(const Volume<float>& image) {
   return thorax;
 }
 
-}  // namespace heartgen::landmarks
+}  // namespace heartgen::chest

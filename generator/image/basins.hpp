@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// @file
-/// Private to this folder: the blood divided into basins at its constrictions, and the graph of their neighbourhood.
+/// The blood divided into basins at its constrictions, and the graph of their neighbourhood.
 /// A watershed of the depth (distance to the wall): voxels are added from the deepest to the shallowest; where two
 /// basins meet they are joined if the way between them is nearly as wide as the narrower one, else the line between
 /// them stays. The lines fall on the valves.
@@ -12,7 +12,7 @@
 
 #include "model/volume.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::image {
 
 struct Contact {
   double width_mm = 0;  ///< the greatest depth on the common border: half the width of the way from one to the other
@@ -28,6 +28,19 @@ struct Basins {
   double width(std::int32_t a, std::int32_t b) const;  ///< width_mm of a contact, 0 for none
 };
 
+/// Which basins are joined where they meet. The defaults part the chambers of a heart on a grid of 1.5 mm.
+struct BasinSettings {
+  float shallow_mm = 4;           ///< peaks below are no chamber and no great vessel: they join what they meet
+  float min_drop_mm = 0.75;       ///< half a voxel: below is the noise of a distance on a grid
+  float join_above_ratio = 0.88;  ///< way / narrower basin. Valves: 0.5 to 0.8; trabeculated chambers: above 0.9
+};
+
 Basins divide_at_constrictions(const Mask& blood);
 
-}  // namespace heartgen::landmarks
+/// The same of any depth, positive inside.
+Basins divide_at_constrictions(Volume<float> depth_mm, const BasinSettings& settings);
+
+/// Common faces and widths of the labels (0: none) of `basins.label`, with its depth.
+void measure_contacts(Basins& basins);
+
+}  // namespace heartgen::image

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// @file
-/// Private to this folder: the centre line of the spine.
+/// The centre line of the spine.
 #pragma once
-#include "generator/landmarks/thorax.hpp"
+#include "generator/chest/thorax.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::chest {
 
 /// The brightest smooth path from the lowest to the highest slice, between the lungs and near their back, by dynamic
 /// programming over slices. `image` smoothed; `lung` on the same grid, not empty.
@@ -18,4 +18,4 @@ double share_unlike_spine(const Spine& spine, const Volume<float>& image, const 
 /// Where the spine would be of a patient whose heart is in the middle of an image that ends before the spine.
 Spine spine_behind(const Grid& grid);
 
-}  // namespace heartgen::landmarks
+}  // namespace heartgen::chest

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "generator/landmarks/working_image.hpp"
+#include "generator/chest/working_image.hpp"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 #include "generator/parallel/threads.hpp"
 #include "model/error.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::chest {
 namespace {
 
 constexpr float outside_hu = -150;  // no air: lungs that the field of view of a slanted grid cuts do not open into it
@@ -17,7 +17,7 @@ constexpr double smallest_extent_mm = 60;  // less cannot hold a left ventricle 
 constexpr double antialias_per_mm = 0.35;  // blur before thinning, per mm of difference between the spacings
 
 /// The box around all voxel centres, along the LPS axes.
-Grid working_grid(const Grid& grid) {
+Grid working_grid(const Grid& grid, double spacing_mm) {
   Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
   for (int corner = 0; corner < 8; ++corner) {
     Vec3 index;
@@ -30,14 +30,14 @@ Grid working_grid(const Grid& grid) {
     }
   }
   Grid result;
-  result.spacing_mm = {working_spacing_mm, working_spacing_mm, working_spacing_mm};
+  result.spacing_mm = {spacing_mm, spacing_mm, spacing_mm};
   result.origin_mm = low;
   for (int a = 0; a < 3; ++a) {
     if (high[a] - low[a] < smallest_extent_mm)
       throw UserError("the image is too thin to find a heart in", "landmarks",
                       "use a scan that shows the whole heart, or give the seeds by hand");
     result.size[static_cast<std::size_t>(a)] =
-        static_cast<std::int64_t>(std::floor((high[a] - low[a]) / working_spacing_mm)) + 1;
+        static_cast<std::int64_t>(std::floor((high[a] - low[a]) / spacing_mm)) + 1;
   }
   return result;
 }
@@ -60,11 +60,11 @@ bool inside(const Grid& grid, const Vec3& index) {
 
 }  // namespace
 
-WorkingImage make_working_image(const CtVolume& ct) {
-  const Grid grid = working_grid(ct.grid);
+WorkingImage make_working_image(const CtVolume& ct, double spacing_mm) {
+  const Grid grid = working_grid(ct.grid, spacing_mm);
   Volume<float> source = as_float(ct);
   const double finest = std::min({ct.grid.spacing_mm.x, ct.grid.spacing_mm.y, ct.grid.spacing_mm.z});
-  const double sigma = antialias_per_mm * (working_spacing_mm - finest);
+  const double sigma = antialias_per_mm * (spacing_mm - finest);
   if (sigma > 0) source = image::gaussian(source, sigma);
   WorkingImage image;
   image.hu = Volume<float>(grid, outside_hu);
@@ -93,4 +93,4 @@ Volume<float> thinned(const Volume<float>& image, std::int64_t step) {
 
 Volume<float> depth_of(const Mask& mask) { return image::distance_to(inverse(mask)); }
 
-}  // namespace heartgen::landmarks
+}  // namespace heartgen::chest

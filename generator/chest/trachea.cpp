@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "generator/landmarks/trachea.hpp"
+#include "generator/chest/trachea.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "generator/chest/working_image.hpp"
 #include "generator/image/slices.hpp"
-#include "generator/landmarks/working_image.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/mathematics.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::chest {
 namespace {
 
 constexpr float air_limit_hu = -600;                              // partial volume of a tube 15 mm wide stays above
@@ -147,4 +147,4 @@ std::optional<Vec3> find_trachea(const Volume<float>& hu, const Spine& spine) {
   return (*best)[best->size() / 2].centre_mm;
 }
 
-}  // namespace heartgen::landmarks
+}  // namespace heartgen::chest

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// @file
-/// Private to this folder: the image all steps work on, and small helpers for grids whose axes are the patient's.
+/// The image all steps work on, and small helpers for grids whose axes are the patient's.
 #pragma once
 #include <cmath>
 #include <vector>
@@ -8,7 +8,7 @@
 #include "model/crop.hpp"
 #include "model/volume.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::chest {
 
 /// Spacing of the working grid: fine enough for the atrial walls and valve planes (2 mm and more), coarse enough for
 /// the whole search to take seconds.
@@ -21,8 +21,8 @@ struct WorkingImage {
   Volume<float> smooth;  ///< noise reduced by a Gaussian
 };
 
-/// Resamples to the working grid. Throws UserError for an image too thin to show a heart.
-WorkingImage make_working_image(const CtVolume& ct);
+/// Resamples to a grid of `spacing_mm`. Throws UserError for an image too thin to show a heart.
+WorkingImage make_working_image(const CtVolume& ct, double spacing_mm = working_spacing_mm);
 
 /// Every `step`-th voxel along each axis.
 Volume<float> thinned(const Volume<float>& image, std::int64_t step);
@@ -69,4 +69,4 @@ inline Mask inverse(const Mask& mask) {
 /// Distance (mm) to the nearest unset voxel, 0 outside the mask.
 Volume<float> depth_of(const Mask& mask);
 
-}  // namespace heartgen::landmarks
+}  // namespace heartgen::chest

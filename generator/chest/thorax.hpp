@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// @file
-/// Private to this folder: what surrounds the heart - lungs, the space between them, the spine.
+/// What surrounds the heart - lungs, the space between them, the spine.
 #pragma once
 #include <vector>
 
 #include "model/volume.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::chest {
 
 /// The centre line of the vertebral bodies, one point per slice of a grid along the LPS axes.
 struct Spine {
@@ -28,4 +28,4 @@ struct Thorax {
 /// `image` is smoothed and coarse (3 mm): nothing here needs detail. Throws UserError where there are no lungs.
 Thorax find_thorax(const Volume<float>& image);
 
-}  // namespace heartgen::landmarks
+}  // namespace heartgen::chest

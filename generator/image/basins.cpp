@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "generator/landmarks/basins.hpp"
+#include "generator/image/basins.hpp"
 
 #include <algorithm>
 #include <array>
 #include <numeric>
 
-#include "generator/landmarks/working_image.hpp"
+#include "generator/image/distance.hpp"
 
-namespace heartgen::landmarks {
+namespace heartgen::image {
 namespace {
-
-constexpr float shallow_mm = 4;           // peaks below are no chamber and no great vessel: they join what they meet
-constexpr float min_drop_mm = 0.75;       // half a voxel: below is the noise of a distance on a grid
-constexpr float join_above_ratio = 0.88;  // way / narrower basin. Valves: 0.5 to 0.8; trabeculated chambers: above 0.9
 
 /// Union-find over basins; the root is the one with the highest peak.
 struct Forest {
+  BasinSettings settings;
   std::vector<std::int32_t> parent;
   std::vector<float> peak;
 
@@ -39,7 +36,8 @@ struct Forest {
     if (a == b) return;
     if (peak[static_cast<std::size_t>(a)] < peak[static_cast<std::size_t>(b)]) std::swap(a, b);
     const float lower = peak[static_cast<std::size_t>(b)];
-    if (lower <= shallow_mm || lower - saddle < min_drop_mm || saddle > join_above_ratio * lower)
+    if (lower <= settings.shallow_mm || lower - saddle < settings.min_drop_mm ||
+        saddle > settings.join_above_ratio * lower)
       parent[static_cast<std::size_t>(b)] = a;
   }
 };
@@ -72,9 +70,9 @@ std::vector<std::int64_t> deepest_first(const Volume<float>& depth) {
 }
 
 /// Label of every voxel: the root of its basin + 1; basins that stayed shallow get 0.
-Volume<std::int32_t> flood(const Volume<float>& depth) {
+Volume<std::int32_t> flood(const Volume<float>& depth, const BasinSettings& settings) {
   Volume<std::int32_t> label(depth.grid, -1);
-  Forest forest;
+  Forest forest{settings, {}, {}};
   for (const auto offset : deepest_first(depth)) {
     const auto here = static_cast<std::size_t>(offset);
     std::int64_t steepest = -1;
@@ -94,13 +92,14 @@ Volume<std::int32_t> flood(const Volume<float>& depth) {
   }
   for (auto& l : label.voxels) {
     const auto root = l < 0 ? -1 : forest.root(l);
-    l = root < 0 || forest.peak[static_cast<std::size_t>(root)] <= shallow_mm ? 0 : root + 1;
+    l = root < 0 || forest.peak[static_cast<std::size_t>(root)] <= settings.shallow_mm ? 0 : root + 1;
   }
   return label;
 }
 
 /// Renumbers labels by falling volume (the first of equals keeps its place); returns how many there are.
 std::int32_t renumber(Volume<std::int32_t>& label) {
+  if (label.voxels.empty()) return 0;
   const auto highest = *std::max_element(label.voxels.begin(), label.voxels.end());
   std::vector<std::int64_t> volume(static_cast<std::size_t>(highest) + 1, 0);
   for (const auto l : label.voxels) ++volume[static_cast<std::size_t>(l)];
@@ -116,7 +115,15 @@ std::int32_t renumber(Volume<std::int32_t>& label) {
   return next;
 }
 
+}  // namespace
+
+double Basins::width(std::int32_t a, std::int32_t b) const {
+  const auto found = contacts.find(std::minmax(a, b));
+  return found == contacts.end() ? 0 : found->second.width_mm;
+}
+
 void measure_contacts(Basins& basins) {
+  basins.contacts.clear();
   const Grid& grid = basins.label.grid;
   const double face_mm2 = grid.spacing_mm.x * grid.spacing_mm.x;
   const std::array<std::int64_t, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
@@ -139,20 +146,20 @@ void measure_contacts(Basins& basins) {
       }
 }
 
-}  // namespace
-
-double Basins::width(std::int32_t a, std::int32_t b) const {
-  const auto found = contacts.find(std::minmax(a, b));
-  return found == contacts.end() ? 0 : found->second.width_mm;
+Basins divide_at_constrictions(const Mask& blood) {
+  Mask outside(blood.grid);
+  std::transform(blood.voxels.begin(), blood.voxels.end(), outside.voxels.begin(),
+                 [](std::uint8_t set) { return set == 0; });
+  return divide_at_constrictions(distance_to(outside), {});
 }
 
-Basins divide_at_constrictions(const Mask& blood) {
+Basins divide_at_constrictions(Volume<float> depth_mm, const BasinSettings& settings) {
   Basins basins;
-  basins.depth_mm = depth_of(blood);
-  basins.label = flood(basins.depth_mm);
+  basins.depth_mm = std::move(depth_mm);
+  basins.label = flood(basins.depth_mm, settings);
   basins.count = renumber(basins.label);
   measure_contacts(basins);
   return basins;
 }
 
-}  // namespace heartgen::landmarks
+}  // namespace heartgen::image

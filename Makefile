@@ -80,6 +80,18 @@ tarball: parts
 demo/bundle.tar.zst: demo/bundle/manifest.json
 	rm -f $@ && $(HEARTGEN) pack demo/bundle $@
 
+# What is published, in dist/; RELEASE.md says how.
+RELEASED := dist/heartgen-$(VERSION)
+.PHONY: release
+release: deb tarball demo/bundle.tar.zst
+	git archive --prefix=heartgen-$(VERSION)/ HEAD | gzip -9n > $(RELEASED).tar.gz
+	cp demo/bundle.tar.zst $(RELEASED)-phantom.tar.zst
+	rm -rf demo/released && $(HEARTGEN) export demo/bundle --to opencarp,xdmf,openfoam --output demo/released > demo/released.txt
+	tar --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 -C demo/released -c . | zstd -19 -q -f -o $(RELEASED)-phantom-exports.tar.zst
+	cd dist && sha256sum heartgen-$(VERSION)-phantom.tar.zst > heartgen-$(VERSION)-phantom.tar.zst.sha256
+	cd dist && sha256sum *.deb *.tar.gz *.tar.zst > SHA256SUMS
+	@ls -l dist; cat dist/SHA256SUMS
+
 first-minutes: deb tarball demo/bundle.tar.zst build/chroot.stamp
 	tests/chroot/first_minutes.sh dist demo/bundle.tar.zst build/chroot/system
 

@@ -67,7 +67,8 @@ std::string synopsis(const std::string& program, const CLI::App& command) {
   std::string line = fmt::format(".SH SYNOPSIS\n\\fB{}\\fR", roff(program));
   for (const auto* option : command.get_options())
     if (option->get_positional() && option->get_lnames().empty())
-      line += fmt::format(option->get_required() ? " \\fI{}\\fR" : " [\\fI{}\\fR]", roff(option->get_name()));
+      line += fmt::format("{}\\fI{}\\fR{}", option->get_required() ? " " : " [", roff(option->get_name()),
+                          option->get_required() ? "" : "]");
   return line + " [\\fIoptions\\fR]\n";
 }
 

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <heartgen/images.hpp>
 #include <memory>
 #include <string>

@@ -58,10 +58,11 @@ std::shared_ptr<TetMesh> make_mesh(const Array<double>& points, const Array<std:
   if (regions.ndim() != 1 || regions.shape(0) != cells.shape(0))
     throw UserError("must have one number per cell", "regions", "give whole numbers");
   auto mesh = std::make_shared<TetMesh>();
-  mesh->nodes_mm.resize(static_cast<std::size_t>(points.shape(0)));
-  std::memcpy(mesh->nodes_mm.data(), points.data(), static_cast<std::size_t>(points.nbytes()));
-  mesh->cells.resize(static_cast<std::size_t>(cells.shape(0)));
-  std::memcpy(mesh->cells.data(), cells.data(), static_cast<std::size_t>(cells.nbytes()));
+  const auto* p = points.data();
+  for (py::ssize_t n = 0; n < points.shape(0); ++n) mesh->nodes_mm.push_back({p[3 * n], p[3 * n + 1], p[3 * n + 2]});
+  const auto* c = cells.data();
+  for (py::ssize_t n = 0; n < cells.shape(0); ++n)
+    mesh->cells.push_back({c[4 * n], c[4 * n + 1], c[4 * n + 2], c[4 * n + 3]});
   mesh->region.assign(regions.data(), regions.data() + regions.size());
   for (const auto& cell : mesh->cells)
     for (const auto node : cell)

@@ -8,6 +8,7 @@
 #include "generator/app/contours_command.hpp"
 #include "generator/app/improve_command.hpp"
 #include "generator/app/inpaint_command.hpp"
+#include "generator/app/paint_command.hpp"
 #include "generator/app/place_command.hpp"
 #include "generator/app/segment_command.hpp"
 #include "generator/app/slice_command.hpp"
@@ -29,6 +30,7 @@ struct Program {
   ImproveCommand improve{};
   InpaintCommand inpaint{};
   TransferCommand transfer{};
+  PaintCommand paint{};
   PlaceCommand place{};
   SliceCommand slice{};
   PhantomCommand phantom{};

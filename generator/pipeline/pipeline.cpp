@@ -10,6 +10,7 @@
 #include "generator/anatomy/vessel.hpp"
 #include "generator/atlas/atlas.hpp"
 #include "generator/fibers/map_fibers.hpp"
+#include "generator/mesh/insulation.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
 #include "generator/pipeline/check_inputs.hpp"
@@ -21,14 +22,18 @@
 #include "generator/pipeline/resolutions.hpp"
 #include "generator/pipeline/run.hpp"
 #include "generator/pipeline/torso_stage.hpp"
+#include "generator/pipeline/user_regions.hpp"
 #include "generator/pipeline/versions.hpp"
 #include "model/error.hpp"
 #include "model/memory.hpp"
 #include "model/parent_fibers.hpp"
 #include "validation/anatomy_checks.hpp"
+#include "validation/cavity_checks.hpp"
 #include "validation/contour_fit.hpp"
 #include "validation/fiber_checks.hpp"
+#include "validation/insulation_checks.hpp"
 #include "validation/label_checks.hpp"
+#include "validation/region_checks.hpp"
 #include "validation/report/report_html.hpp"
 #include "validation/uses.hpp"
 
@@ -72,6 +77,31 @@ Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels, const FieldO
     meshes["carotid"] = mesh::mesh_vessel(lumen, Region::carotid, recipe.mesh);
   }
   return meshes;
+}
+
+bool has_both_walls(const std::string& mesh_name) {
+  return mesh_name == "torso" || mesh_name.starts_with("myocardium");
+}
+
+/// Walls whose nodes are split have a torso whose nodes are not: blood and lungs go on past both.
+void insulate(Meshes& meshes, mesh::Insulation how) {
+  for (auto& [name, mesh] : meshes) {
+    if (!has_both_walls(name) || how == mesh::Insulation::none) continue;
+    if (how == mesh::Insulation::split && name != "torso")
+      mesh::split_nodes(mesh);
+    else
+      mesh::add_annuli(mesh);
+  }
+}
+
+void take_out_insulation(Meshes& meshes, mesh::Insulation how) {
+  for (auto& [name, mesh] : meshes) {
+    if (!has_both_walls(name) || how == mesh::Insulation::none) continue;
+    if (how == mesh::Insulation::split && name != "torso")
+      mesh::merge_split_nodes(mesh);
+    else
+      mesh::take_out_annuli(mesh);
+  }
 }
 
 FiberAtlas read_atlas(const Recipe& recipe) {
@@ -150,6 +180,8 @@ Report all_metrics(const Recipe& recipe, const CtVolume& ct, const LabelVolume& 
       {[&] { return validation::check_fibers(meshes.at("myocardium"), registration_figures(fibers), bounds); }});
   parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, bounds); }});
   parts.push_back({[&] { return validation::check_orifices(meshes, labels); }});
+  parts.push_back({[&] { return validation::check_cavities(meshes); }});
+  parts.push_back({[&] { return validation::check_user_regions(meshes); }});
   if (!ct.voxels.empty()) parts.push_back({[&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); }});
   return joined(parts);
 }
@@ -166,6 +198,7 @@ std::vector<exporters::BundleInput> hash_inputs(const Recipe& recipe) {
         if (!path.empty()) inputs.push_back(hash_input(std::string("torso.") + key, path));
       },
       recipe.torso);
+  for (const auto& region : recipe.regions) inputs.push_back(hash_input("regions", region.file));
   return inputs;
 }
 
@@ -197,8 +230,8 @@ std::string describe_atlas(const Recipe& recipe, const fibers::FiberResult& fibe
 
 exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const LabelVolume& labels, Meshes meshes,
                               const fibers::FiberResult& fibers, const Resolutions& further,
-                              std::vector<exporters::BundleInput> inputs, const std::vector<Warning>& warnings,
-                              const Report& pose, PartClock& clock) {
+                              std::vector<painting::RegionMask> regions, std::vector<exporters::BundleInput> inputs,
+                              const std::vector<Warning>& warnings, const Report& pose, PartClock& clock) {
   exporters::Bundle bundle;
   bundle.name = recipe.name;
   bundle.version = recipe.version;
@@ -217,11 +250,16 @@ exporters::Bundle make_bundle(const Recipe& recipe, const CtVolume& ct, const La
   if (const auto torso = bundle.meshes.find("torso"); torso != bundle.meshes.end())
     carry_fibers_to_parent(bundle.meshes.at("myocardium"), torso->second);
   bundle.meshes.insert(further.meshes.begin(), further.meshes.end());
+  const Report painted = paint_meshes(bundle.meshes, std::move(regions), recipe);
   const auto faces = validation::faces_of_meshes(bundle.meshes);
   Report rows = all_metrics(recipe, ct, labels, bundle.meshes, faces, fibers);
   const Report distances = resolution_distances(further);
   rows.insert(rows.end(), distances.begin(), distances.end());
   rows.insert(rows.end(), pose.begin(), pose.end());
+  rows.insert(rows.end(), painted.begin(), painted.end());
+  insulate(bundle.meshes, mesh::insulation_named(recipe.mesh.insulation));
+  const Report insulation = validation::check_insulation(bundle.meshes, recipe.mesh.insulation != "none");
+  rows.insert(rows.end(), insulation.begin(), insulation.end());
   if (auto text = validation::remark_on_jumps(rows); !text.empty())
     all.push_back({"fibers.too_coarse", WarningLevel::warning, std::move(text)});
   bundle.certificate =
@@ -377,12 +415,15 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   }
   if (known.missing.vessels) known.missing.vessels = find_vessels(run, ct, recipe.landmarks, warnings);
   auto heart = label_ct(run, ct, recipe, known, padding);
+  std::vector<painting::RegionMask> regions;
   parallel::run_on_root(comm, [&] {
     anatomy::reopen_padding(ct.value, padding);
     refuse_empty_regions(*heart, recipe);
     check_memory(*heart, recipe.mesh, memory_bytes());
     if (chambers_of_ct) refuse_cut_ventricles(*heart, padding);
     refuse_mirrored_heart(*heart, recipe.landmarks);
+    regions = regions_on_walls(recipe, *heart);
+    recipe.regions = painting::with_names(recipe.regions, regions);
     const auto told = label_warnings(known.given->labels, *heart, !recipe.input.ct.empty());
     warnings.insert(warnings.end(), told.begin(), told.end());
     print_warnings(warnings);  // not before: a refusal is one message
@@ -419,7 +460,8 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   PartClock clock;
   const auto content_id = run.root_stage("bundle", {}, [&] {
     const Report pose = has_torso ? torso_rows(*around) : Report{};
-    auto bundle = make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, inputs, warnings, pose, clock);
+    auto bundle =
+        make_bundle(recipe, *ct, labels, *meshes, *fibers, *further, std::move(regions), inputs, warnings, pose, clock);
     fibers_from = fmt::format("{:<22} {}\n", "fibres from", bundle.atlas);
     bundle.logs["build.log"] = time_log(run) + fibers_from;
     result.certificate = bundle.certificate;
@@ -441,18 +483,24 @@ std::vector<std::string> names_of(const Meshes& meshes) {
   return names;
 }
 
-Report certificate(const Meshes& meshes, const LabelVolume& labels, const MeshSettings& mesh_settings,
+Report certificate(Meshes meshes, const LabelVolume& labels, const MeshSettings& mesh_settings,
                    const ValidationSettings& settings) {
+  const Report insulation = validation::check_insulation(meshes, mesh_settings.insulation != "none");
+  take_out_insulation(meshes, mesh::insulation_named(mesh_settings.insulation));
   const auto faces = validation::faces_of_meshes(meshes);
   ReportParts parts = mesh_certificate(meshes, faces, labels, mesh_settings, settings);
   if (meshes.contains("myocardium"))
     parts.push_back({[&] { return validation::check_fibers(meshes.at("myocardium"), {}, settings); }});
   parts.push_back({[&] { return check_resolution_fibers(meshes, mesh_settings, settings); }});
+  parts.push_back({[&] { return validation::check_cavities(meshes); }});
+  parts.push_back({[&] { return validation::check_user_regions(meshes); }});
   if (!labels.voxels.empty()) {
     parts.push_back({[&] { return validation::check_labels(labels, needed_regions()); }});
     parts.push_back({[&] { return validation::check_orifices(meshes, labels); }});
   }
-  return joined(parts);
+  Report rows = joined(parts);
+  rows.insert(rows.end(), insulation.begin(), insulation.end());
+  return rows;
 }
 
 }  // namespace heartgen::pipeline

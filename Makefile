@@ -111,6 +111,7 @@ test-clients: demo/bundle/manifest.json build/clients.stamp
 	/usr/bin/python3 tests/clients/check_exports.py demo/bundle demo/clients
 	/usr/bin/python3 tests/clients/reader_rules.py demo/clients
 	/usr/bin/python3 tests/clients/run_decks.py demo/clients demo/bundle
+	/usr/bin/python3 tests/clients/pacing.py demo/clients stops
 	/usr/bin/python3 tests/clients/check_report.py demo/bundle/validation/report.html
 
 # The same bits on other processors, vector instructions, threads, processes and BLAS.

@@ -52,6 +52,9 @@ heartgen_room(landmarks FOLDER generator/landmarks
 heartgen_room(labels FOLDER generator/labels
   SENTENCE "Label maps from elsewhere: numberings, names, repair, and what they replace"
   DEPENDS model parallel adapters image LIBRARIES heartgen_itk heartgen_ceres ${json} fmt::fmt)
+heartgen_room(painting FOLDER generator/painting
+  SENTENCE "Regions of the user's own, label images and closed surfaces, painted onto the cells of a mesh"
+  DEPENDS model parallel adapters LIBRARIES heartgen_itk heartgen_vtk fmt::fmt)
 heartgen_room(mesh_files FOLDER generator/mesh_files
   SENTENCE "Anybody's tetrahedral meshes, read into one structure"
   DEPENDS model adapters LIBRARIES heartgen_vtk fmt::fmt)
@@ -94,7 +97,7 @@ heartgen_room(phantom FOLDER datasets/phantom
   DEPENDS model parallel LIBRARIES fmt::fmt)
 heartgen_room(pipeline FOLDER generator/pipeline
   SENTENCE "A whole build: stages, cache, checks of inputs, progress"
-  DEPENDS model parallel adapters image pde anatomy landmarks labels ventricles atlas fibers stuffing mesh validation report exporters phantom
+  DEPENDS model parallel adapters image pde anatomy landmarks labels painting ventricles atlas fibers stuffing mesh validation report exporters phantom
   LIBRARIES heartgen_itk ${json} fmt::fmt)
 heartgen_room(library FOLDER generator/library
   SENTENCE "The public face: the headers of include/heartgen and what they declare of their own"
@@ -106,7 +109,7 @@ heartgen_room(command_line FOLDER generator/command_line
   DEPENDS model parallel phantom pipeline LIBRARIES CLI11::CLI11 fmt::fmt)
 heartgen_room(app FOLDER generator/app
   SENTENCE "The commands of heartgen"
-  DEPENDS model parallel adapters pde anatomy landmarks labels mesh_files fibers tetmesh mesh validation report exporters phantom pipeline library command_line
+  DEPENDS model parallel adapters pde anatomy landmarks labels painting mesh_files fibers tetmesh mesh validation report exporters phantom pipeline library command_line
   LIBRARIES heartgen_itk heartgen_vtk CLI11::CLI11 ${json} fmt::fmt)
 heartgen_room(benchmarks FOLDER benchmarks
   SENTENCE "Speeds of the stages and comparisons with other programs"

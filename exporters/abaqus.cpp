@@ -41,6 +41,10 @@ void write_elements(OutFile& file, const TetMesh& mesh) {
   }
   file.print(FMT_COMPILE("*ELSET, ELSET=ALL\n"));
   for (const auto& [tag, name] : names) file.print(FMT_COMPILE("{}\n"), name);
+  for (const auto& [name, cells] : cells_by_user_region(mesh)) {
+    file.print(FMT_COMPILE("*ELSET, ELSET={}\n"), name);
+    for (const auto c : cells) file.print(FMT_COMPILE("{}\n"), c + 1);
+  }
 }
 
 void write_surface(OutFile& file, const TetMesh& mesh, const std::string& name, const std::vector<std::size_t>& faces,
@@ -82,7 +86,7 @@ Files export_abaqus(const ExportTask& task) {
   write_elements(file, mesh);
   for (const auto& [tag, faces] : faces_by_surface(mesh)) write_surface(file, mesh, names.at(tag), faces, sides);
   if (has_fibers(mesh)) write_orientation(file, mesh);
-  return {file.close(), write_markers(task)};
+  return joined({file.close(), write_markers(task)}, write_user_regions(task));
 }
 
 }  // namespace heartgen::exporters

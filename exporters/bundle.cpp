@@ -36,6 +36,9 @@ void write_meshes(const Bundle& bundle, const Manifest& manifest, const fs::path
     files.emplace_back(named.cells.size(), [mesh, path = folder / entry.file] { adapters::write_vtu(path, *mesh); });
     files.emplace_back(named.faces.size(),
                        [mesh, path = folder / entry.surface_file] { adapters::write_vtp(path, *mesh); });
+    if (!entry.cavity_file.empty())
+      files.emplace_back(named.faces.size(),
+                         [mesh, path = folder / entry.cavity_file] { adapters::write_cavities(path, *mesh); });
     files.emplace_back(named.faces.size(), [mesh, path = folder / entry.curve_file] {
       adapters::write_curves(path, *mesh, mesh_queries::feature_curves(*mesh));
     });
@@ -82,6 +85,7 @@ fs::path inside(const fs::path& folder, const std::string& path) {
 TetMesh read_files(const fs::path& folder, const ManifestMesh& entry) {
   TetMesh mesh = adapters::read_vtu(inside(folder, entry.file));
   adapters::read_surface(inside(folder, entry.surface_file), mesh);
+  if (!entry.cavity_file.empty()) adapters::read_cavities(inside(folder, entry.cavity_file), mesh);
   return mesh;
 }
 

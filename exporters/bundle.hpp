@@ -48,6 +48,13 @@ struct Bundle {
   std::map<std::string, std::string> logs;   ///< file name: text; outside the content id
 };
 
+struct ManifestCavity {
+  std::string blood;              ///< name of its region
+  double volume_ml = 0;           ///< inside of its faces
+  std::vector<std::string> caps;  ///< sorted
+  friend bool operator==(const ManifestCavity&, const ManifestCavity&) = default;
+};
+
 struct ManifestMesh {
   std::string file;          ///< meshes/NAME.vtu
   std::string surface_file;  ///< surfaces/NAME.vtp
@@ -55,10 +62,13 @@ struct ManifestMesh {
   std::int64_t nodes = 0;
   std::int64_t cells = 0;
   std::int64_t faces = 0;
-  std::map<std::string, std::int64_t> regions;   ///< name: cells
-  std::map<std::string, std::int64_t> surfaces;  ///< name: faces
-  std::map<std::string, std::int64_t> rims;      ///< name: nodes
-  std::map<std::string, std::int64_t> curves;    ///< name: edges
+  std::map<std::string, std::int64_t> regions;       ///< name: cells
+  std::map<std::string, std::int64_t> surfaces;      ///< name: faces
+  std::map<std::string, std::int64_t> rims;          ///< name: nodes
+  std::map<std::string, std::int64_t> curves;        ///< name: edges
+  std::map<std::string, std::int64_t> user_regions;  ///< name: cells that count for it; not written where empty
+  std::string cavity_file;                           ///< cavities/NAME.vtp; empty without cavities
+  std::map<std::string, ManifestCavity> cavities;    ///< by name
   friend bool operator==(const ManifestMesh&, const ManifestMesh&) = default;
 };
 
@@ -72,9 +82,10 @@ struct ManifestFile {
 /// manifest.json
 struct Manifest {
   std::string schema, name, version, license, author, date_published, content_id, unit, frame, atlas;
-  std::map<std::string, std::int32_t> regions;   ///< name: tag, those that occur in a mesh
-  std::map<std::string, std::int32_t> surfaces;  ///< name: tag
-  std::map<std::string, std::int32_t> rims;      ///< name: tag
+  std::map<std::string, std::int32_t> regions;             ///< name: tag, those that occur in a mesh
+  std::map<std::string, std::int32_t> surfaces;            ///< name: tag
+  std::map<std::string, std::int32_t> rims;                ///< name: tag
+  std::map<std::string, std::int32_t> user_regions, caps;  ///< name: tag; not written where empty
   std::map<std::string, ManifestMesh> meshes;
   std::vector<ManifestFile> files;  ///< sorted by path; without manifest.json and logs/
   std::vector<BundleInput> inputs;

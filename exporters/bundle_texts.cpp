@@ -86,12 +86,24 @@ std::string trust_text(const Manifest& manifest) {
   return text.empty() ? "" : text + "\n";
 }
 
+std::string cavity_text(const Manifest& manifest) {
+  if (manifest.caps.empty()) return "";
+  std::string text = "## Cavities\n\n| mesh | cavity | ml | caps |\n|---|---|---:|---|\n";
+  for (const auto& [name, mesh] : manifest.meshes)
+    for (const auto& [cavity, entry] : mesh.cavities)
+      text +=
+          fmt::format("| `{}` | `{}` | {:.1f} | {} |\n", name, cavity, entry.volume_ml, fmt::join(entry.caps, ", "));
+  return text + "\nCaps are triangles between the nodes of rims alone; they are no faces of the mesh.\n\n" +
+         tag_table(manifest.caps, "cap") + "\n";
+}
+
 constexpr const char* readme_files = R"(## Files
 
 | path | what |
 |---|---|
 | `meshes/NAME.vtu` | tetrahedra with regions and fibres |
 | `surfaces/NAME.vtp` | outer faces and region interfaces of that mesh, each face once, each with one label; its rims |
+| `cavities/NAME.vtp` | the closed surface of each pool of blood: the mesh's faces around it, and a cap over every opening |
 | `curves/NAME.vtp` | the mesh's edges at which surfaces meet: rims of orifices and ends, lines between walls |
 | `images/labels.nii.gz` | label map on the grid of the CT, values are the region tags below |
 | `validation/metrics.json`, `validation/report.html` | the certificate: every figure and its bound; the same to look at |
@@ -115,10 +127,14 @@ head. Many codes want metres, centimetres or micrometres: `heartgen export` conv
 | `.vtu` points | `fiber_source` | uint8 | 0 none, 1 atlas, 2 inpainted, 3 rule |
 | `.vtu` cells | `rule_difference_deg` | float32 | angle between `fiber` and the axis of rule-based fibres; -1 outside the ventricles |
 | `.vtu` points, cells | `parent_node`, `parent_cell` | int32 | 0-based ids in the larger mesh that holds this one (the torso), where there is one |
+| `.vtu` cells | `user_region` | int32 | the user's own region that the cell counts for, 0: none |
+| `.vtu` cells | `fraction_NAME` | float32 | the part of the cell in that region of the user's own, 0 to 1 |
 | `.vtp` cells | `surface` | int32 | label of the face, see below |
 | `.vtp` points | `GlobalNodeID` | int32 | **1-based** node of the point in the `.vtu` |
 | `.vtp` points | one per rim, with the rim's name | uint8 | 1 on the rim: the curve where that surface ends |
 | `.vtp` field | `rim_tag` | int32 | tags of the rims, in the order of their arrays |
+| `cavities/` cells | `cavity` | int32 | tag of the blood; normals look out of it |
+| `cavities/` cells | `surface` | int32 | of the mesh's face, or the tag of the cap |
 | `curves/` cells | `curve` | int32 | 0-based number of the edge's curve |
 | `curves/` field | `curve_name` | string | the curves' names: the surfaces that meet there, joined by `+` |
 
@@ -223,6 +239,9 @@ std::string readme_text(const Manifest& manifest) {
   text += "## Regions\n\n" + tag_table(manifest.regions, "region");
   text += "\n## Surfaces\n\n" + tag_table(manifest.surfaces, "surface");
   text += "\n## Rims\n\n" + tag_table(manifest.rims, "rim") + "\n";
+  if (!manifest.user_regions.empty())
+    text += "## Regions of the user's own\n\n" + tag_table(manifest.user_regions, "region") + "\n";
+  text += cavity_text(manifest);
   if (!manifest.meshes.empty())
     text +=
         fmt::format(fmt::runtime(readme_loading),

@@ -54,7 +54,7 @@ Files export_chaste(const ExportTask& task) {
   }
   Files files = {nodes.close(), elements.close(), write_faces(task), write_markers(task)};
   if (has_fibers(mesh)) files.push_back(write_ortho(task));
-  return files;
+  return joined(std::move(files), write_user_regions(task));
 }
 
 }  // namespace heartgen::exporters

@@ -101,6 +101,16 @@ void keep_rims(const TetMesh& mesh, const Kept& nodes, TetMesh& part) {
   }
 }
 
+/// Those whose every node is kept.
+void keep_cavities(const TetMesh& mesh, const Kept& nodes, TetMesh& part) {
+  for (Cavity cavity : mesh.cavities) {
+    renumber(cavity.faces, nodes.new_id);
+    const bool is_whole = std::all_of(cavity.faces.begin(), cavity.faces.end(),
+                                      [](const Face& face) { return face[0] >= 0 && face[1] >= 0 && face[2] >= 0; });
+    if (is_whole) part.cavities.push_back(std::move(cavity));
+  }
+}
+
 }  // namespace
 
 std::set<std::int32_t> regions_named(std::span<const std::string> names) {
@@ -127,6 +137,10 @@ TetMesh only_regions(const TetMesh& mesh, const std::set<std::int32_t>& regions)
   part.cell_fibers = picked(mesh.cell_fibers, cells.old_id);
   part.fiber_source = picked(mesh.fiber_source, nodes.old_id);
   part.rule_difference_deg = picked(mesh.rule_difference_deg, cells.old_id);
+  part.user_region = picked(mesh.user_region, cells.old_id);
+  for (const auto& region : mesh.user_regions)
+    part.user_regions.push_back({region.name, region.tag, picked(region.fraction, cells.old_id)});
+  keep_cavities(mesh, nodes, part);
   part.parent_node = nodes.old_id;
   part.parent_cell = cells.old_id;
   return part;

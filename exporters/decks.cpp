@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 #include "exporters/adjacency.hpp"
@@ -71,6 +72,36 @@ std::string table(const std::map<std::int32_t, std::string>& names, const Groups
   return text;
 }
 
+std::string cavities_text(const TetMesh& mesh) {
+  if (mesh.cavities.empty()) return "";
+  std::string text =
+      "\nCavities: closed surfaces out of the blood, the mesh's faces and a cap of triangles over every opening, whose "
+      "nodes are those of the rim (NAME_cavities.csv, and in the format's own way where it has one).\n\n"
+      "| cavity | triangles | caps |\n|---|---:|---|\n";
+  for (const auto& cavity : mesh.cavities) {
+    std::set<std::string> caps;
+    for (const auto tag : cavity.surface)
+      if (is_cap(tag)) caps.insert(surface_name(tag));
+    text += fmt::format("| `{}` | {} | {} |\n", cavity.name, cavity.faces.size(), fmt::join(caps, ", "));
+  }
+  return text;
+}
+
+std::string user_regions_text(const TetMesh& mesh) {
+  if (mesh.user_regions.empty()) return "";
+  std::string text =
+      "\nRegions of the user's own: the tag in `user_region` where a cell counts for one, its part in each as "
+      "`fraction_NAME`. Where this format has no place for these, they stand in NAME_user_regions.csv.\n\n"
+      "| user region | tag | tetrahedra |\n|---|---:|---:|\n";
+  const auto cells = cells_by_user_region(mesh);
+  for (const auto& region : mesh.user_regions) {
+    const auto found = cells.find(region.name);
+    text +=
+        fmt::format("| `{}` | {} | {} |\n", region.name, region.tag, found == cells.end() ? 0 : found->second.size());
+  }
+  return text;
+}
+
 std::vector<std::int32_t> tags_where(const TetMesh& mesh, bool (*accept)(Region)) {
   std::vector<std::int32_t> tags;
   for (const auto& [tag, name] : regions_of(mesh))
@@ -79,8 +110,10 @@ std::vector<std::int32_t> tags_where(const TetMesh& mesh, bool (*accept)(Region)
 }
 
 bool is_atrium(Region r) { return r == Region::la_wall || r == Region::ra_wall; }
-bool is_ventricle(Region r) { return is_myocardium(r) && !is_atrium(r); }
-bool is_passive(Region r) { return !is_myocardium(r); }
+bool is_ventricle(Region r) { return is_myocardium(r) && !is_atrium(r) && !is_annulus(r); }
+bool is_muscle(Region r) { return is_atrium(r) || is_ventricle(r); }
+bool is_passive(Region r) { return !is_muscle(r); }
+bool is_bath(Region r) { return !is_myocardium(r); }
 
 /// "PREFIX.num_IDs = 2", "PREFIX.ID[0] = 4" ...
 std::string id_lines(const std::string& prefix, const std::vector<std::int32_t>& tags) {
@@ -141,12 +174,12 @@ std::string python_conductivities(const TetMesh& mesh) {
 }
 
 void add_opencarp(const TetMesh& mesh, Values& values) {
-  const auto bath = tags_where(mesh, &is_passive), muscle = tags_where(mesh, &is_myocardium);
+  const auto muscle = tags_where(mesh, &is_muscle), passive = tags_where(mesh, &is_passive);
   auto everything = muscle;
-  everything.insert(everything.end(), bath.begin(), bath.end());
+  everything.insert(everything.end(), passive.begin(), passive.end());
   values["opencarp_cells"] = id_lines("imp_region[0]", muscle);
   values["opencarp_gregions"] = opencarp_gregions(mesh);
-  values["opencarp_bidomain"] = bath.empty() ? "0" : "2";
+  values["opencarp_bidomain"] = tags_where(mesh, &is_bath).empty() ? "0" : "2";
   values["opencarp_intra"] = id_lines("phys_region[0]", muscle);
   values["opencarp_extra"] = id_lines("phys_region[1]", everything);
 }
@@ -225,10 +258,12 @@ Values values_of(const ExportFormat& format, const ExportTask& task) {
                    {"box_low", fmt::format("{} {} {}", site.x - radius, site.y - radius, site.z - radius)},
                    {"box_high", fmt::format("{} {} {}", site.x + radius, site.y + radius, site.z + radius)},
                    {"ventricles", fmt::format("{}", fmt::join(tags_where(mesh, &is_ventricle), ", "))},
-                   {"muscle", fmt::format("{}", fmt::join(tags_where(mesh, &is_myocardium), ", "))},
+                   {"muscle", fmt::format("{}", fmt::join(tags_where(mesh, &is_muscle), ", "))},
                    {"bath", fmt::format("{}", fmt::join(tags_where(mesh, &is_passive), ", "))},
                    {"regions", table(regions_of(mesh), cells_by_region(mesh), "region", "tetrahedra")},
                    {"surfaces", table(surfaces_of(mesh), faces_by_surface(mesh), "surface", "triangles")},
+                   {"user_regions", user_regions_text(mesh)},
+                   {"cavities", cavities_text(mesh)},
                    {"python_conductivities", python_conductivities(mesh)}};
   add_opencarp(mesh, values);
   add_svmultiphysics(task, values);
@@ -259,7 +294,7 @@ constexpr std::string_view readme_head = R"(# {{mesh}}: {{format}}
 Made by heartgen. Not for diagnosis or treatment.
 
 )";
-constexpr std::string_view readme_tail = "\n## Tags\n\n{{regions}}\n{{surfaces}}";
+constexpr std::string_view readme_tail = "\n## Tags\n\n{{regions}}\n{{surfaces}}{{user_regions}}{{cavities}}";
 
 }  // namespace
 

@@ -52,6 +52,18 @@ void write_surface(OutFile& file, const TetMesh& mesh, const std::string& name, 
   file.print(FMT_COMPILE("</NodeSet>\n"));
 }
 
+void write_element_sets(OutFile& file, const TetMesh& mesh) {
+  for (const auto& [name, cells] : cells_by_user_region(mesh)) {
+    file.print(FMT_COMPILE("    <ElementSet name=\"{}\">"), name);
+    std::string_view comma;
+    for (const auto c : cells) {
+      file.print(FMT_COMPILE("{}{}"), comma, c + 1);
+      comma = ",";
+    }
+    file.print(FMT_COMPILE("</ElementSet>\n"));
+  }
+}
+
 void write_axes(OutFile& file, const FiberField& axes, const std::string& part, const std::vector<std::size_t>& cells) {
   if (axes.fiber[cells.front()] == Vec3{}) return;
   file.print(FMT_COMPILE("    <ElementData type=\"mat_axis\" elem_set=\"{}\">\n"), part);
@@ -75,6 +87,7 @@ Files export_febio(const ExportTask& task) {
   write_nodes(file, mesh);
   write_elements(file, mesh, parts);
   for (const auto& [tag, faces] : faces_by_surface(mesh)) write_surface(file, mesh, surfaces.at(tag), faces);
+  write_element_sets(file, mesh);
   file.print(FMT_COMPILE("  </Mesh>\n"));
   if (has_fibers(mesh)) {
     file.print(FMT_COMPILE("  <MeshData>\n"));
@@ -82,7 +95,7 @@ Files export_febio(const ExportTask& task) {
     file.print(FMT_COMPILE("  </MeshData>\n"));
   }
   file.print(FMT_COMPILE("</febio_spec>\n"));
-  return {file.close(), write_markers(task)};
+  return joined({file.close(), write_markers(task)}, write_user_regions(task));
 }
 
 }  // namespace heartgen::exporters

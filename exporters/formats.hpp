@@ -42,6 +42,22 @@ Files export_vtp(const ExportTask& task);
 /// place for names.
 std::filesystem::path write_markers(const ExportTask& task);
 
+/// Of a mesh with regions of the user's own, for formats without numbers of any name per cell: NAME_user_regions.csv, a
+/// line for each cell that lies in one: its 0-based id, the tag of the region that it counts for (0: none), and its
+/// part in each region. No file without such regions.
+Files write_user_regions(const ExportTask& task);
+
+/// Of a mesh with cavities: NAME_cavities.csv, a line for each triangle of their closed surfaces: the cavity's name,
+/// that of the mesh's surface or of the cap, and three 0-based nodes; normals look out of the blood. No file without
+/// them.
+Files write_cavities(const ExportTask& task);
+
+/// Ids of the cells that count for each region of the user's own, ascending, by its name.
+std::map<std::string, std::vector<std::size_t>> cells_by_user_region(const TetMesh& mesh);
+
+/// The name of the array with the parts of cells in a region of the user's own.
+std::string fraction_name(const UserRegion& region);
+
 /// Tags that occur, ascending, with their names.
 std::map<std::int32_t, std::string> regions_of(const TetMesh& mesh);
 std::map<std::int32_t, std::string> surfaces_of(const TetMesh& mesh);
@@ -59,6 +75,11 @@ std::map<std::int32_t, std::vector<std::size_t>> faces_by_surface(const TetMesh&
 std::map<std::int32_t, std::vector<std::size_t>> cells_by_region(const TetMesh& mesh);
 
 inline bool has_fibers(const TetMesh& mesh) { return !mesh.cell_fibers.fiber.empty(); }
+
+inline Files joined(Files files, const Files& more) {
+  files.insert(files.end(), more.begin(), more.end());
+  return files;
+}
 
 /// `files` and, where the mesh has fibres, what `write_axes(task, name, axes of the cells)` makes of fibre and sheet.
 template <class WriteAxes>

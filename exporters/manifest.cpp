@@ -17,7 +17,7 @@ namespace heartgen::exporters {
 
 using Json = nlohmann::json;
 
-// The six functions below are found by nlohmann::json through their arguments.
+// The functions below are found by nlohmann::json through their arguments.
 void to_json(Json& json, const BundleInput& input) {
   json = {{"name", input.name}, {"sha256", input.sha256}, {"bytes", input.bytes}};
 }
@@ -34,10 +34,23 @@ void from_json(const Json& json, ManifestFile& file) {
   json.at("sha256").get_to(file.sha256);
   json.at("bytes").get_to(file.bytes);
 }
+void to_json(Json& json, const ManifestCavity& cavity) {
+  json = {{"blood", cavity.blood}, {"volume_ml", cavity.volume_ml}, {"caps", cavity.caps}};
+}
+void from_json(const Json& json, ManifestCavity& cavity) {
+  json.at("blood").get_to(cavity.blood);
+  json.at("volume_ml").get_to(cavity.volume_ml);
+  json.at("caps").get_to(cavity.caps);
+}
 void to_json(Json& json, const ManifestMesh& mesh) {
   json = {
       {"file", mesh.file},   {"surface_file", mesh.surface_file}, {"nodes", mesh.nodes}, {"cells", mesh.cells},
       {"faces", mesh.faces}, {"regions", mesh.regions},           {"rims", mesh.rims},   {"surfaces", mesh.surfaces}};
+  if (!mesh.user_regions.empty()) json["user_regions"] = mesh.user_regions;
+  if (!mesh.cavity_file.empty()) {
+    json["cavity_file"] = mesh.cavity_file;
+    json["cavities"] = mesh.cavities;
+  }
   if (mesh.curve_file.empty()) return;
   json["curve_file"] = mesh.curve_file;
   json["curves"] = mesh.curves;
@@ -51,12 +64,27 @@ void from_json(const Json& json, ManifestMesh& mesh) {
   json.at("regions").get_to(mesh.regions);
   json.at("rims").get_to(mesh.rims);
   json.at("surfaces").get_to(mesh.surfaces);
+  if (json.contains("user_regions")) json.at("user_regions").get_to(mesh.user_regions);
+  if (json.contains("cavity_file")) {
+    json.at("cavity_file").get_to(mesh.cavity_file);
+    json.at("cavities").get_to(mesh.cavities);
+  }
   if (!json.contains("curve_file")) return;
   json.at("curve_file").get_to(mesh.curve_file);
   json.at("curves").get_to(mesh.curves);
 }
 
 namespace {
+
+ManifestCavity describe_cavity(const TetMesh& mesh, const Cavity& cavity) {
+  constexpr double mm3_per_ml = 1000;
+  std::set<std::string> caps;
+  for (const auto tag : cavity.surface)
+    if (is_cap(tag)) caps.insert(surface_name(tag));
+  return {region_name(cavity.region),
+          enclosed_volume_mm3(mesh.nodes_mm, cavity.faces) / mm3_per_ml,
+          {caps.begin(), caps.end()}};
+}
 
 ManifestMesh describe_mesh(const std::string& name, const TetMesh& mesh) {
   ManifestMesh result;
@@ -71,6 +99,10 @@ ManifestMesh describe_mesh(const std::string& name, const TetMesh& mesh) {
   for (const auto& rim : mesh.rims) result.rims[rim.name] = static_cast<std::int64_t>(rim.nodes.size());
   for (const auto& curve : mesh_queries::feature_curves(mesh))
     result.curves[mesh_queries::curve_name(curve)] = static_cast<std::int64_t>(curve.edges.size());
+  for (const auto& region : mesh.user_regions)
+    result.user_regions[region.name] = std::count(mesh.user_region.begin(), mesh.user_region.end(), region.tag);
+  if (!mesh.cavities.empty()) result.cavity_file = "cavities/" + name + ".vtp";
+  for (const auto& cavity : mesh.cavities) result.cavities[cavity.name] = describe_cavity(mesh, cavity);
   return result;
 }
 
@@ -81,6 +113,8 @@ Json manifest_json(const Manifest& m) {
                {"regions", m.regions}, {"surfaces", m.surfaces}, {"rims", m.rims},
                {"meshes", m.meshes},   {"files", m.files},       {"content_id", m.content_id},
                {"inputs", m.inputs},   {"tools", m.tools}};
+  if (!m.user_regions.empty()) json["user_regions"] = m.user_regions;
+  if (!m.caps.empty()) json["caps"] = m.caps;
   if (!m.torso_from_heart.empty()) json["torso_from_heart"] = m.torso_from_heart;
   if (!m.warnings.empty()) json["warnings"] = m.warnings;
   if (!m.uses.empty()) json["uses"] = m.uses;
@@ -119,6 +153,8 @@ Manifest manifest_from(const Json& json) {
   json.at("content_id").get_to(m.content_id);
   json.at("inputs").get_to(m.inputs);
   json.at("tools").get_to(m.tools);
+  if (json.contains("user_regions")) json.at("user_regions").get_to(m.user_regions);
+  if (json.contains("caps")) json.at("caps").get_to(m.caps);
   if (json.contains("torso_from_heart")) json.at("torso_from_heart").get_to(m.torso_from_heart);
   if (json.contains("warnings")) json.at("warnings").get_to(m.warnings);
   if (json.contains("uses")) json.at("uses").get_to(m.uses);
@@ -189,6 +225,10 @@ Manifest describe_bundle(const Bundle& bundle) {
     regions.insert(mesh.region.begin(), mesh.region.end());
     surfaces.insert(mesh.surface.begin(), mesh.surface.end());
     for (const auto& rim : mesh.rims) m.rims[rim.name] = rim.tag;
+    for (const auto& region : mesh.user_regions) m.user_regions[region.name] = region.tag;
+    for (const auto& cavity : mesh.cavities)
+      for (const auto tag : cavity.surface)
+        if (is_cap(tag)) m.caps[surface_name(tag)] = tag;
   }
   for (const auto tag : regions) m.regions[region_name(tag)] = tag;
   for (const auto tag : surfaces) m.surfaces[surface_name(tag)] = tag;

@@ -37,7 +37,7 @@ std::filesystem::path write_axes(const ExportTask& task, const char* name, const
 }  // namespace
 
 Files export_mfem(const ExportTask& task) {
-  return with_axes({write_mesh(task), write_markers(task)}, task, write_axes);
+  return joined(with_axes({write_mesh(task), write_markers(task)}, task, write_axes), write_user_regions(task));
 }
 
 }  // namespace heartgen::exporters

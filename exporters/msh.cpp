@@ -279,6 +279,24 @@ void write_element_view(MshFile& file, const char* name, const std::vector<Vec3>
   file.end_section("ElementData");
 }
 
+/// Numbers of cells; a triangle shows that of the first cell beside it.
+template <class T>
+void write_element_view(MshFile& file, const std::string& name, const std::vector<T>& values, const ElementOrder& order,
+                        const std::vector<FaceCells>& face_cells) {
+  if (values.empty()) return;
+  begin_view(file, "ElementData", name.c_str(), 1, order.cells.size() + order.faces.size());
+  int id = 0;
+  const auto row = [&](double value) {
+    file.value(++id);
+    file.value(value);
+    file.end_row();
+  };
+  for (const auto c : order.cells) row(static_cast<double>(values[c]));
+  for (const auto f : order.faces)
+    row(face_cells[f][0] < 0 ? 0.0 : static_cast<double>(values[static_cast<std::size_t>(face_cells[f][0])]));
+  file.end_section("ElementData");
+}
+
 void write_node_views(MshFile& file, const TetMesh& mesh) {
   write_node_view(file, "fiber", mesh.node_fibers.fiber);
   write_node_view(file, "sheet", mesh.node_fibers.sheet);
@@ -290,6 +308,9 @@ void write_element_views(MshFile& file, const TetMesh& mesh, const MshModel& mod
   write_element_view(file, "fiber", mesh.cell_fibers.fiber, order, model.face_cells);
   write_element_view(file, "sheet", mesh.cell_fibers.sheet, order, model.face_cells);
   write_element_view(file, "sheet_normal", mesh.cell_fibers.sheet_normal, order, model.face_cells);
+  write_element_view(file, "user_region", mesh.user_region, order, model.face_cells);
+  for (const auto& region : mesh.user_regions)
+    write_element_view(file, fraction_name(region), region.fraction, order, model.face_cells);
 }
 
 Files export_msh41(const ExportTask& task, bool binary) {
@@ -363,7 +384,7 @@ Files export_msh41_ascii(const ExportTask& task) { return export_msh41(task, fal
 Files export_msh22_ascii(const ExportTask& task) {
   const MshModel model = msh_model(task.mesh);
   Files files = {write_mesh22(task, model)};
-  if (has_fibers(task.mesh)) files.push_back(write_cell_views22(task, model));
+  if (has_fibers(task.mesh) || !task.mesh.user_regions.empty()) files.push_back(write_cell_views22(task, model));
   return files;
 }
 

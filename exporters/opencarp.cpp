@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // openCARP: points, elements (tag = region), fibre and sheet per element (zero where there is no muscle), as text
 // (.pts .elem .lon) or binary (.bpts .belem .blon); per surface the nodes (.vtx) and triangles (.surf), per rim the
-// nodes. Ids are 0-based. Its reader keeps numbers as 32-bit floats: they are written as the shortest text that gives
-// the same float. Binary files have a header of 1024 characters: counts, byte order (0: little-endian), a check number;
-// then 32-bit floats, and per element its kind (0: tetrahedron), nodes and tag as 32-bit integers. So meshtool writes
-// them: writePointsBinary, writeElementsBinary and writeFibersBinary in its io_utils.cpp.
+// nodes, per cavity its closed surface (.surf), out of the blood. Ids are 0-based. Its reader keeps numbers as 32-bit
+// floats: they are written as the shortest text that gives the same float. Binary files have a header of 1024
+// characters: counts, byte order (0: little-endian), a check number; then 32-bit floats, and per element its kind (0:
+// tetrahedron), nodes and tag as 32-bit integers. So meshtool writes them: writePointsBinary, writeElementsBinary and
+// writeFibersBinary in its io_utils.cpp.
 #include <bit>
 #include <set>
 
@@ -41,25 +42,25 @@ std::filesystem::path write_vtx(const ExportTask& task, const std::string& name,
   return file.close();
 }
 
-std::filesystem::path write_surf(const ExportTask& task, const std::string& name, const std::vector<std::size_t>& ids) {
+std::filesystem::path write_surf(const ExportTask& task, const std::string& name, const std::vector<Face>& faces) {
   OutFile file(named(task, "_" + in_file_name(name) + ".surf"));
-  file.print(FMT_COMPILE("{}\n"), ids.size());
-  for (const auto f : ids) {
-    const Face& n = task.mesh.faces[f];
-    file.print(FMT_COMPILE("Tr {} {} {}\n"), n[0], n[1], n[2]);
-  }
+  file.print(FMT_COMPILE("{}\n"), faces.size());
+  for (const Face& n : faces) file.print(FMT_COMPILE("Tr {} {} {}\n"), n[0], n[1], n[2]);
   return file.close();
 }
 
 Files write_surfaces(const ExportTask& task) {
   Files files;
   const auto names = surfaces_of(task.mesh);
-  for (const auto& [tag, faces] : faces_by_surface(task.mesh)) {
+  for (const auto& [tag, ids] : faces_by_surface(task.mesh)) {
+    std::vector<Face> faces;
+    for (const auto f : ids) faces.push_back(task.mesh.faces[f]);
     std::set<std::int32_t> nodes;
-    for (const auto f : faces) nodes.insert(task.mesh.faces[f].begin(), task.mesh.faces[f].end());
+    for (const auto& face : faces) nodes.insert(face.begin(), face.end());
     files.push_back(write_vtx(task, names.at(tag), nodes));
     files.push_back(write_surf(task, names.at(tag), faces));
   }
+  for (const auto& cavity : task.mesh.cavities) files.push_back(write_surf(task, cavity.name, cavity.faces));
   for (const auto& rim : task.mesh.rims) files.push_back(write_vtx(task, rim.name, rim.nodes));
   return files;
 }
@@ -126,8 +127,21 @@ std::filesystem::path write_blon(const ExportTask& task) {
   return file.close();
 }
 
+/// Elements of each region of the user's own: the list that openCARP's tagreg[] of type 4 takes as elemfile.
+Files write_regele(const ExportTask& task) {
+  Files files;
+  for (const auto& [name, cells] : cells_by_user_region(task.mesh)) {
+    OutFile file(named(task, "_" + in_file_name(name) + ".regele"));
+    file.print(FMT_COMPILE("{}\n"), cells.size());
+    for (const auto c : cells) file.print(FMT_COMPILE("{}\n"), c);
+    files.push_back(file.close());
+  }
+  return joined(std::move(files), write_user_regions(task));
+}
+
 Files with_surfaces(const ExportTask& task, Files files) {
   files.push_back(write_markers(task));
+  for (auto& file : write_regele(task)) files.push_back(std::move(file));
   for (auto& file : write_surfaces(task)) files.push_back(std::move(file));
   return files;
 }

@@ -2,8 +2,11 @@
 // OpenFOAM: the case NAME with
 //   constant/polyMesh   points faces owner neighbour boundary; a patch per outer surface; cellZones: the regions;
 //                       faceZones: surfaces inside the mesh, a face is flipped where its owner has the higher region
+//                       sets/: the regions of the user's own as cellSets
+//   0/                  fraction_NAME of each of these, the parts of cells in it, as volScalarFields
 //   0/                  fiber, sheet, sheet_normal as volVectorFields, zero where there is no muscle
 // All text, in metres unless another unit is asked for.
+#include "exporters/files.hpp"
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 #include "exporters/poly_faces.hpp"
@@ -141,6 +144,25 @@ fs::path write_field(const fs::path& place, const char* name, const std::vector<
   return file.close();
 }
 
+fs::path write_cell_set(const fs::path& place, const std::string& name, const std::vector<std::size_t>& cells) {
+  OutFile file(place / mesh_folder / "sets" / in_file_name(name));
+  write_head(file, "cellSet", mesh_folder + "/sets", name);
+  file.print(FMT_COMPILE("{}\n(\n"), cells.size());
+  for (const auto c : cells) file.print(FMT_COMPILE("{}\n"), c);
+  file.print(FMT_COMPILE(")\n"));
+  return file.close();
+}
+
+fs::path write_fraction(const fs::path& place, const UserRegion& region) {
+  OutFile file(place / "0" / in_file_name(fraction_name(region)));
+  write_head(file, "volScalarField", "0", fraction_name(region));
+  file.print(FMT_COMPILE("dimensions [0 0 0 0 0 0 0];\n\ninternalField nonuniform List<scalar>\n{}\n(\n"),
+             region.fraction.size());
+  for (const auto value : region.fraction) file.print(FMT_COMPILE("{}\n"), value);
+  file.print(FMT_COMPILE(");\n\nboundaryField\n{{\n    \".*\"\n    {{\n        type zeroGradient;\n    }}\n}}\n"));
+  return file.close();
+}
+
 /// Along and across the fibres, S/m: the monodomain values of Niederer et al., Phil Trans R Soc A 369:4331 (2011).
 fs::path write_conductivity(const fs::path& place, const std::vector<Vec3>& fibers) {
   constexpr double along = 0.1334, across = 0.0176;
@@ -174,6 +196,8 @@ Files export_openfoam(const ExportTask& task) {
                  write_cell_zones(place, mesh),
                  write_face_zones(place, mesh, faces),
                  write_markers(task)};
+  for (const auto& [name, cells] : cells_by_user_region(mesh)) files.push_back(write_cell_set(place, name, cells));
+  for (const auto& region : mesh.user_regions) files.push_back(write_fraction(place, region));
   if (!has_fibers(mesh)) return files;
   files.push_back(write_field(place, "fiber", mesh.cell_fibers.fiber));
   files.push_back(write_field(place, "sheet", mesh.cell_fibers.sheet));

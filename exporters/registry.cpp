@@ -10,6 +10,7 @@
 #include "exporters/decks.hpp"
 #include "exporters/files.hpp"
 #include "exporters/formats.hpp"
+#include "exporters/out_file.hpp"
 #include "model/error.hpp"
 #include "model/labels.hpp"
 #include "model/text.hpp"
@@ -61,6 +62,8 @@ std::map<std::int32_t, std::vector<std::size_t>> grouped(const std::vector<std::
 
 Files written(const ExportFormat& format, const ExportTask& task) {
   Files files = format.function(task);
+  const bool are_surfaces = format.description.starts_with("every surface");
+  if (!are_surfaces) files = joined(std::move(files), write_cavities(task));
   for (auto& file : write_deck(format, task)) files.push_back(std::move(file));
   return files;
 }
@@ -125,6 +128,16 @@ std::map<std::int32_t, std::vector<std::size_t>> faces_by_surface(const TetMesh&
 
 std::map<std::int32_t, std::vector<std::size_t>> cells_by_region(const TetMesh& mesh) { return grouped(mesh.region); }
 
+std::map<std::string, std::vector<std::size_t>> cells_by_user_region(const TetMesh& mesh) {
+  std::map<std::string, std::vector<std::size_t>> cells;
+  for (const auto& region : mesh.user_regions)
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      if (mesh.user_region[c] == region.tag) cells[region.name].push_back(c);
+  return cells;
+}
+
+std::string fraction_name(const UserRegion& region) { return "fraction_" + region.name; }
+
 FiberField cell_axes(const TetMesh& mesh, WithoutFibers without) {
   const std::vector<Vec3> none(mesh.cells.size());
   FiberField axes = has_fibers(mesh) ? mesh.cell_fibers : FiberField{none, none, none};
@@ -136,6 +149,35 @@ FiberField cell_axes(const TetMesh& mesh, WithoutFibers without) {
     axes.sheet_normal[c] = {0, 0, 1};
   }
   return axes;
+}
+
+Files write_user_regions(const ExportTask& task) {
+  const TetMesh& mesh = task.mesh;
+  if (mesh.user_regions.empty()) return {};
+  OutFile file(task.folder / (task.mesh_name + "_user_regions.csv"));
+  file.print(FMT_COMPILE("cell,user_region"));
+  for (const auto& region : mesh.user_regions) file.print(FMT_COMPILE(",{}"), fraction_name(region));
+  file.print(FMT_COMPILE("\n"));
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const auto is_in = [c](const UserRegion& region) { return region.fraction[c] > 0; };
+    if (std::none_of(mesh.user_regions.begin(), mesh.user_regions.end(), is_in)) continue;
+    file.print(FMT_COMPILE("{},{}"), c, mesh.user_region[c]);
+    for (const auto& region : mesh.user_regions) file.print(FMT_COMPILE(",{}"), region.fraction[c]);
+    file.print(FMT_COMPILE("\n"));
+  }
+  return {file.close()};
+}
+
+Files write_cavities(const ExportTask& task) {
+  if (task.mesh.cavities.empty()) return {};
+  OutFile file(task.folder / (task.mesh_name + "_cavities.csv"));
+  file.print(FMT_COMPILE("cavity,surface,node_0,node_1,node_2\n"));
+  for (const auto& cavity : task.mesh.cavities)
+    for (std::size_t f = 0; f < cavity.faces.size(); ++f) {
+      const Face& n = cavity.faces[f];
+      file.print(FMT_COMPILE("{},{},{},{},{}\n"), cavity.name, surface_name(cavity.surface[f]), n[0], n[1], n[2]);
+    }
+  return {file.close()};
 }
 
 std::filesystem::path write_markers(const ExportTask& task) {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every named surface in a file of its own, NAME_SURFACE.*, as printers and viewers read it: STL (binary, 32-bit), PLY
-// (binary, 64-bit), OBJ (text), VTP. Triangles look out of the mesh, between two regions out of the lower one.
+// (binary, 64-bit), OBJ (text), VTP. Triangles look out of the mesh, between two regions out of the lower one. Then
+// each cavity, NAME_CAVITY.*, closed, its triangles out of the blood; and its caps alone, NAME_CAVITY_CAP.*.
 #include <algorithm>
+#include <map>
+#include <numeric>
 
 #include "exporters/files.hpp"
 #include "exporters/formats.hpp"
 #include "exporters/out_file.hpp"
 #include "generator/adapters/vtk_io.hpp"
+#include "model/labels.hpp"
 #include "model/sort_unique.hpp"
 
 namespace heartgen::exporters {
@@ -18,18 +22,23 @@ struct Patch {
   std::vector<Face> faces;
 };
 
-Patch patch_of(const TetMesh& mesh, const std::vector<std::size_t>& faces) {
+Patch patch_of(const TetMesh& mesh, const std::vector<Face>& faces) {
   std::vector<std::int32_t> nodes;
-  for (const auto f : faces) nodes.insert(nodes.end(), mesh.faces[f].begin(), mesh.faces[f].end());
+  for (const auto& face : faces) nodes.insert(nodes.end(), face.begin(), face.end());
   sort_unique(nodes);
   Patch patch;
   for (const auto node : nodes) patch.points.push_back(mesh.nodes_mm[static_cast<std::size_t>(node)]);
-  for (const auto f : faces) {
-    Face own = mesh.faces[f];
+  for (Face own : faces) {
     for (auto& node : own) node = static_cast<std::int32_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
     patch.faces.push_back(own);
   }
   return patch;
+}
+
+std::vector<Face> picked(const TetMesh& mesh, const std::vector<std::size_t>& ids) {
+  std::vector<Face> faces;
+  for (const auto f : ids) faces.push_back(mesh.faces[f]);
+  return faces;
 }
 
 std::array<float, 3> as_floats(const Vec3& v) {
@@ -73,19 +82,38 @@ std::filesystem::path write_obj(const std::filesystem::path& path, const Patch& 
   return file.close();
 }
 
-template <class Write>
-Files each_surface(const ExportTask& task, const char* extension, const Write& write) {
-  Files files;
-  const auto names = surfaces_of(task.mesh);
-  for (const auto& [tag, faces] : faces_by_surface(task.mesh))
-    files.push_back(write(task.folder / (task.mesh_name + "_" + in_file_name(names.at(tag)) + extension), faces));
-  return files;
+struct NamedFaces {
+  std::string name;
+  std::vector<Face> faces;
+  std::vector<std::int32_t> surface;  ///< per face
+};
+
+/// Surfaces of the mesh, then each cavity as one closed surface, then its caps alone.
+std::vector<NamedFaces> named_faces(const TetMesh& mesh) {
+  std::vector<NamedFaces> all;
+  const auto names = surfaces_of(mesh);
+  for (const auto& [tag, ids] : faces_by_surface(mesh))
+    all.push_back({names.at(tag), picked(mesh, ids), std::vector<std::int32_t>(ids.size(), tag)});
+  for (const auto& cavity : mesh.cavities) {
+    all.push_back({cavity.name, cavity.faces, cavity.surface});
+    std::map<std::int32_t, std::vector<Face>> caps;
+    for (std::size_t f = 0; f < cavity.faces.size(); ++f)
+      if (is_cap(cavity.surface[f])) caps[cavity.surface[f]].push_back(cavity.faces[f]);
+    for (auto& [tag, faces] : caps) {
+      const std::vector<std::int32_t> surface(faces.size(), tag);
+      all.push_back({cavity.name + "_" + surface_name(tag), std::move(faces), surface});
+    }
+  }
+  return all;
 }
 
 template <class Write>
 Files each_patch(const ExportTask& task, const char* extension, const Write& write) {
-  return each_surface(task, extension,
-                      [&](const auto& path, const auto& faces) { return write(path, patch_of(task.mesh, faces)); });
+  Files files;
+  for (const auto& named : named_faces(task.mesh))
+    files.push_back(write(task.folder / (task.mesh_name + "_" + in_file_name(named.name) + extension),
+                          patch_of(task.mesh, named.faces)));
+  return files;
 }
 
 }  // namespace
@@ -95,10 +123,18 @@ Files export_ply(const ExportTask& task) { return each_patch(task, ".ply", &writ
 Files export_obj(const ExportTask& task) { return each_patch(task, ".obj", &write_obj); }
 
 Files export_vtp(const ExportTask& task) {
-  return each_surface(task, ".vtp", [&](const std::filesystem::path& path, const auto& faces) {
-    adapters::write_vtp(path, task.mesh, faces, {});
-    return path;
-  });
+  Files files;
+  TetMesh patch;
+  patch.nodes_mm = task.mesh.nodes_mm;
+  for (auto& named : named_faces(task.mesh)) {
+    patch.faces = std::move(named.faces);
+    patch.surface = std::move(named.surface);
+    std::vector<std::size_t> all(patch.faces.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    files.push_back(task.folder / (task.mesh_name + "_" + in_file_name(named.name) + ".vtp"));
+    adapters::write_vtp(files.back(), patch, all, {});
+  }
+  return files;
 }
 
 }  // namespace heartgen::exporters

@@ -3,6 +3,9 @@
 //   mesh-complete.mesh.vtu      cell arrays GlobalElementID, DOMAIN_ID (the region's tag), point array GlobalNodeID
 //   mesh-complete.exterior.vtp  the outer boundary; mesh-surfaces/SURFACE.vtp every named surface: GlobalNodeID, and
 //                               GlobalElementID, the tetrahedron behind the face (of two, the one of the lower id)
+//   cavities.vtp                closed surfaces of the blood pools: the mesh's faces and caps over their openings,
+//   which
+//                               belong to no tetrahedron: cell arrays cavity, surface, point array GlobalNodeID
 //   fiber.vtu, sheet.vtu        cell array FIB_DIR, 3 × float64, one file per family; coordinate axes where there is no
 //                               muscle, because parallel or zero families are refused
 //   domain_ids.dat              a domain per tetrahedron: the region's tag, or that of the stimulated site; the number
@@ -39,7 +42,10 @@ void require_domains(const TetMesh& mesh) {
 
 std::filesystem::path write_volume(const std::filesystem::path& folder, const TetMesh& mesh) {
   auto path = folder / "mesh-complete.mesh.vtu";
-  adapters::write_vtu(path, mesh, {{"GlobalElementID", one_to(mesh.cells.size())}, {"DOMAIN_ID", mesh.region}},
+  adapters::write_vtu(path, mesh,
+                      {{"GlobalElementID", one_to(mesh.cells.size())},
+                       {"DOMAIN_ID", mesh.region},
+                       {"user_region", mesh.user_region}},  // left out where it is empty
                       {{"GlobalNodeID", one_to(mesh.nodes_mm.size())}});
   return path;
 }
@@ -100,9 +106,13 @@ Files export_svmultiphysics(const ExportTask& task) {
     files.push_back(write_family(folder / "sheet.vtu", mesh, std::move(axes.sheet)));
   }
   files.push_back(write_patch(folder / "mesh-complete.exterior.vtp", mesh, outer_faces(sides), sides));
+  for (auto& file : write_user_regions(task)) files.push_back(std::move(file));
   const auto names = surfaces_of(mesh);
   for (const auto& [tag, faces] : faces_by_surface(mesh))
     files.push_back(write_patch(folder / "mesh-surfaces" / (in_file_name(names.at(tag)) + ".vtp"), mesh, faces, sides));
+  if (mesh.cavities.empty()) return files;
+  files.push_back(folder / "cavities.vtp");
+  adapters::write_cavities(files.back(), mesh);
   return files;
 }
 

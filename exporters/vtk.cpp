@@ -61,6 +61,12 @@ class VtkFile {
     end_block();
   }
 
+  void scalars(const std::string& name, const std::vector<float>& values) {
+    line(FMT_COMPILE("SCALARS {} float 1\nLOOKUP_TABLE default\n"), name);
+    for (const auto value : values) number(value);
+    end_block();
+  }
+
   void vectors(const char* name, const std::vector<Vec3>& values) {
     if (values.empty()) return;
     line(FMT_COMPILE("VECTORS {} double\n"), name);
@@ -94,6 +100,8 @@ std::filesystem::path write_volume(const ExportTask& task, bool binary, const ch
   file.line(FMT_COMPILE("CELL_DATA {}\n"), mesh.cells.size());
   file.scalars(region_array, mesh.region);
   file.axes(mesh.cell_fibers);
+  if (!mesh.user_region.empty()) file.scalars("user_region", mesh.user_region);
+  for (const auto& region : mesh.user_regions) file.scalars(fraction_name(region), region.fraction);
   if (points == PointArrays::fibers && !mesh.node_fibers.fiber.empty()) {
     file.line(FMT_COMPILE("POINT_DATA {}\n"), mesh.nodes_mm.size());
     file.axes(mesh.node_fibers);
@@ -135,7 +143,11 @@ Files export_vtu(const ExportTask& task) {
   const auto faces = task.folder / (task.mesh_name + ".vtp");
   adapters::write_vtu(volume, task.mesh);
   adapters::write_vtp(faces, task.mesh);
-  return {volume, faces, write_markers(task)};
+  Files files = {volume, faces, write_markers(task)};
+  if (task.mesh.cavities.empty()) return files;
+  files.push_back(task.folder / (task.mesh_name + "_cavities.vtp"));
+  adapters::write_cavities(files.back(), task.mesh);
+  return files;
 }
 
 }  // namespace heartgen::exporters

@@ -4,7 +4,9 @@
 // is named as the .xdmf file is, so each has its own:
 //   NAME.h5         /mesh/geometry float64 N×3, /mesh/topology int32 M×4, /mesh/cell_tags int32 M,
 //                   /rims/NAME int32 (0-based nodes), /nodes/{fiber,sheet,sheet_normal} float64 N×3,
-//                   /nodes/fiber_source uint8 N, /cells/{fiber,sheet,sheet_normal} float64 M×3
+//                   /nodes/fiber_source uint8 N, /cells/{fiber,sheet,sheet_normal} float64 M×3,
+//                   /cells/user_region int32 M, /cells/fraction_NAME float32 M,
+//                   /cavities/NAME/topology int32 C×3 (normals out of the blood), /cavities/NAME/surface int32 C
 //   NAME_facets.h5  /facets/topology int32 K×3, /facets/facet_tags int32 K
 // Integers are compressed (shuffled, deflated), and zero fibres take no room. The files keep no time stamps, so equal
 // meshes give equal bytes.
@@ -68,6 +70,9 @@ class H5File {
   void write(const std::string& name, const std::vector<Vec3>& values) {
     write(name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), values.size(), 3);
   }
+  void write(const std::string& name, const std::vector<float>& values) {
+    write(name, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, values.data(), values.size(), 1);
+  }
   void write(const std::string& name, const std::vector<std::int32_t>& values) {
     write(name, H5T_STD_I32LE, H5T_NATIVE_INT32, values.data(), values.size(), 1);
   }
@@ -119,7 +124,13 @@ std::filesystem::path write_h5(const ExportTask& task) {
   for (const auto& rim : mesh.rims) file.write("/rims/" + rim.name, rim.nodes);
   write_axes(file, "/nodes", mesh.node_fibers);
   if (!mesh.fiber_source.empty()) file.write("/nodes/fiber_source", mesh.fiber_source);
+  for (const auto& cavity : mesh.cavities) {
+    file.write("/cavities/" + cavity.name + "/topology", cavity.faces);
+    file.write("/cavities/" + cavity.name + "/surface", cavity.surface);
+  }
   write_axes(file, "/cells", mesh.cell_fibers);
+  if (!mesh.user_region.empty()) file.write("/cells/user_region", mesh.user_region);
+  for (const auto& region : mesh.user_regions) file.write("/cells/" + fraction_name(region), region.fraction);
   file.close();
   return path;
 }
@@ -213,6 +224,11 @@ std::filesystem::path write_volume_xdmf(const ExportTask& task) {
   file.axes("Node", "/nodes", mesh.node_fibers);
   if (!mesh.fiber_source.empty())
     file.attribute("fiber_source", "Node", mesh.fiber_source.size(), 1, "UChar", 1, "/nodes/fiber_source");
+  if (!mesh.user_region.empty())
+    file.attribute("user_region", "Cell", mesh.cells.size(), 1, "Int", 4, "/cells/user_region");
+  for (const auto& region : mesh.user_regions)
+    file.attribute(fraction_name(region).c_str(), "Cell", mesh.cells.size(), 1, "Float", 4,
+                   "/cells/" + fraction_name(region));
   file.names(regions_of(mesh), 3);
   return file.end();
 }

@@ -26,9 +26,12 @@ auto members(Volume<T>& v) {
 }
 inline auto members(Rim& r) { return std::tie(r.name, r.tag, r.nodes); }
 inline auto members(FiberField& f) { return std::tie(f.fiber, f.sheet, f.sheet_normal); }
+inline auto members(UserRegion& r) { return std::tie(r.name, r.tag, r.fraction); }
+inline auto members(Cavity& c) { return std::tie(c.name, c.region, c.faces, c.surface); }
 inline auto members(TetMesh& m) {
   return std::tie(m.nodes_mm, m.cells, m.region, m.faces, m.surface, m.rims, m.node_fibers, m.cell_fibers,
-                  m.fiber_source, m.rule_difference_deg, m.parent_node, m.parent_cell);
+                  m.fiber_source, m.rule_difference_deg, m.user_regions, m.user_region, m.cavities, m.parent_node,
+                  m.parent_cell);
 }
 /// As a file of VTK holds it: without names of groups.
 inline auto members(UnstructuredData& m) {

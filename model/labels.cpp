@@ -8,7 +8,7 @@
 namespace heartgen {
 namespace {
 
-// Surface tags: 101-199 fixed surfaces, 201.. trachea ends, 301.. carotid ends; regions have 1-99.
+// Surface tags: 101-199 fixed surfaces, from 201 on numbered ends, a hundred a vessel; regions have 1-99.
 enum Surface : std::int32_t {
   epicardium = 101,
   lv_endocardium = 102,
@@ -35,13 +35,34 @@ enum Surface : std::int32_t {
   papillary_base = 123,             // papillary muscle against the compact wall
   blood_contact = 124,              // two blood pools that touch away from a valve
   base = 125,                       // what a mesh of the ventricles ends in where the atria were cut off
+  aorta_end = 126,                  // flat; of an aorta that ends once
+  pulmonary_artery_end = 127,
+  superior_vena_cava_end = 128,
+  inferior_vena_cava_end = 129,
+  coronary_sinus_end = 130,
+  annulus_border = 131,  // an annulus against the wall of its atrium
 };
 
-constexpr int trachea_end_base = 200;
-constexpr int carotid_end_base = 300;
+/// Ends that are numbered: their tags are base + N.
+struct NumberedEnds {
+  std::string_view prefix;
+  std::int32_t base;
+  Region vessel;
+};
+constexpr std::array numbered_ends{NumberedEnds{"trachea_end_", 200, Region::trachea},
+                                   NumberedEnds{"carotid_end_", 300, Region::carotid},
+                                   NumberedEnds{"aorta_end_", 400, Region::aorta},
+                                   NumberedEnds{"pulmonary_artery_end_", 500, Region::pulmonary_artery},
+                                   NumberedEnds{"pulmonary_vein_end_", 600, Region::la_blood}};
+constexpr std::string_view cap_ending = "_cap";
 
 bool is_ventricular_muscle(Region r) { return r == Region::lv_myocardium || r == Region::rv_myocardium; }
 bool is_atrial_wall(Region r) { return r == Region::la_wall || r == Region::ra_wall; }
+/// Where the annuli are no different from the walls that they are part of.
+Region wall_of(Region r) {
+  if (r == Region::la_annulus) return Region::la_wall;
+  return r == Region::ra_annulus ? Region::ra_wall : r;
+}
 bool is_chamber(Region r) {
   return r == Region::lv_blood || r == Region::rv_blood || r == Region::la_blood || r == Region::ra_blood;
 }
@@ -94,10 +115,10 @@ std::int32_t blood_against(Region blood, Region other) {
 
 const std::vector<NamedTag>& region_table() {
   static const std::vector<NamedTag> table = {
-      {"lv_myocardium", 1},     {"rv_myocardium", 2}, {"papillary", 3}, {"la_wall", 4},  {"ra_wall", 5},
-      {"lv_blood", 6},          {"rv_blood", 7},      {"la_blood", 8},  {"ra_blood", 9}, {"aorta", 10},
-      {"pulmonary_artery", 11}, {"lung", 12},         {"bone", 13},     {"liver", 14},   {"trachea", 15},
-      {"carotid", 16},          {"torso", 17}};
+      {"lv_myocardium", 1},     {"rv_myocardium", 2}, {"papillary", 3},   {"la_wall", 4},    {"ra_wall", 5},
+      {"lv_blood", 6},          {"rv_blood", 7},      {"la_blood", 8},    {"ra_blood", 9},   {"aorta", 10},
+      {"pulmonary_artery", 11}, {"lung", 12},         {"bone", 13},       {"liver", 14},     {"trachea", 15},
+      {"carotid", 16},          {"torso", 17},        {"la_annulus", 18}, {"ra_annulus", 19}};
   return table;
 }
 
@@ -126,7 +147,13 @@ const std::vector<NamedTag>& surface_table() {
                                               {"interatrial_junction", interatrial_junction},
                                               {"papillary_base", papillary_base},
                                               {"blood_contact", blood_contact},
-                                              {"base", base}};
+                                              {"base", base},
+                                              {"aorta_end", aorta_end},
+                                              {"pulmonary_artery_end", pulmonary_artery_end},
+                                              {"superior_vena_cava_end", superior_vena_cava_end},
+                                              {"inferior_vena_cava_end", inferior_vena_cava_end},
+                                              {"coronary_sinus_end", coronary_sinus_end},
+                                              {"annulus_border", annulus_border}};
   return table;
 }
 
@@ -143,10 +170,9 @@ std::optional<Region> region_from_name(std::string_view name) {
 }
 
 std::string surface_name(std::int32_t tag) {
-  if (tag > carotid_end_base && tag < carotid_end_base + 100)
-    return "carotid_end_" + std::to_string(tag - carotid_end_base);
-  if (tag > trachea_end_base && tag < trachea_end_base + 100)
-    return "trachea_end_" + std::to_string(tag - trachea_end_base);
+  if (is_cap(tag)) return surface_name(tag - cap_tag(0)) + std::string(cap_ending);
+  for (const auto& ends : numbered_ends)
+    if (tag > ends.base && tag < ends.base + 100) return std::string(ends.prefix) + std::to_string(tag - ends.base);
   for (const auto& row : surface_table())
     if (row.tag == tag) return std::string(row.name);
   return "surface_" + std::to_string(tag);
@@ -155,8 +181,11 @@ std::string surface_name(std::int32_t tag) {
 std::optional<std::int32_t> surface_from_name(std::string_view name) {
   for (const auto& row : surface_table())
     if (row.name == name) return row.tag;
-  for (const auto& [prefix, base] : {std::pair{std::string_view("trachea_end_"), trachea_end_base},
-                                     std::pair{std::string_view("carotid_end_"), carotid_end_base}}) {
+  if (name.ends_with(cap_ending)) {
+    const auto opening = surface_from_name(name.substr(0, name.size() - cap_ending.size()));
+    return opening ? std::optional(cap_tag(*opening)) : std::nullopt;
+  }
+  for (const auto& [prefix, base, vessel] : numbered_ends) {
     if (!name.starts_with(prefix)) continue;
     int number = 0;
     const auto digits = name.substr(prefix.size());
@@ -168,15 +197,24 @@ std::optional<std::int32_t> surface_from_name(std::string_view name) {
 }
 
 std::int32_t end_surface_tag(Region vessel, int number) {
-  return (vessel == Region::trachea ? trachea_end_base : carotid_end_base) + number;
+  for (const auto& ends : numbered_ends)
+    if (ends.vessel == vessel) return ends.base + number;
+  return 0;
 }
 
-bool is_myocardium(Region r) { return is_ventricular_muscle(r) || is_atrial_wall(r) || r == Region::papillary; }
+bool is_annulus(Region r) { return r == Region::la_annulus || r == Region::ra_annulus; }
+
+bool is_myocardium(Region r) {
+  return is_ventricular_muscle(r) || is_atrial_wall(r) || r == Region::papillary || is_annulus(r);
+}
 
 bool is_blood(Region r) { return is_chamber(r) || r == Region::aorta || r == Region::pulmonary_artery; }
 
 std::int32_t surface_between(Region a, Region b) {
   using enum Region;
+  if (is_annulus(a) != is_annulus(b) && wall_of(a) == wall_of(b)) return annulus_border;
+  a = wall_of(a);
+  b = wall_of(b);
   if (is_myocardium(a)) return muscle_against(a, b);
   if (is_myocardium(b)) return muscle_against(b, a);
   if (is_blood(a)) return blood_against(a, b);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// @file
-/// The only table of region, surface and rim names and their integer tags.
-/// Tags are part of the bundle format: only append. Regions 1-99, surfaces from 101: some readers share one table.
+/// The only table of region, surface, rim and cap names and their integer tags.
+/// Tags are part of the bundle format: only append. Regions 1-50, the user's own 51-99, surfaces from 101: some readers
+/// share one table.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,8 @@ enum class Region : std::uint8_t {
   trachea = 15,
   carotid = 16,
   torso = 17,
+  la_annulus = 18,  ///< of meshes alone: the layer of an atrium's wall that does not conduct into the ventricles
+  ra_annulus = 19,
 };
 
 constexpr std::uint8_t tag(Region region) { return static_cast<std::uint8_t>(region); }
@@ -42,15 +45,16 @@ struct NamedTag {
 
 /// All regions in tag order (without `none`).
 const std::vector<NamedTag>& region_table();
-/// All surfaces with a fixed tag. Numbered ends (trachea_end_N, carotid_end_N) follow `end_surface_tag`.
+/// All surfaces with a fixed tag. Numbered ends (trachea_end_N, carotid_end_N ...) follow `end_surface_tag`.
 const std::vector<NamedTag>& surface_table();
 
 std::string region_name(std::int32_t tag);  ///< "region_42" for an unknown tag
 std::optional<Region> region_from_name(std::string_view name);
-std::string surface_name(std::int32_t tag);  ///< also trachea_end_N, carotid_end_N
+std::string surface_name(std::int32_t tag);  ///< also trachea_end_N ..., and of caps: mitral_orifice_cap
 std::optional<std::int32_t> surface_from_name(std::string_view name);
 
-/// Tag of the N-th (1-based) cut end of the trachea or the carotid: 200 + N, 300 + N.
+/// Tag of the N-th (1-based) cut end of the trachea (200 + N), the carotid (300 + N), the aorta (400 + N), the
+/// pulmonary artery (500 + N) or a pulmonary vein (600 + N, of la_blood).
 std::int32_t end_surface_tag(Region vessel, int number);
 
 /// The surface where two regions meet (order does not matter; Region::none is the outside of the mesh).
@@ -58,7 +62,18 @@ std::int32_t end_surface_tag(Region vessel, int number);
 /// anatomical name of their own get the name of the coarser boundary they belong to (e.g. epicardium).
 std::int32_t surface_between(Region a, Region b);
 
-bool is_myocardium(Region region);  ///< ventricles, papillary muscles, atrial walls
-bool is_blood(Region region);       ///< chambers, aorta, pulmonary artery
+/// Tag of the cap over an opening whose surface in the blood has this tag: 2000 more.
+constexpr std::int32_t cap_tag(std::int32_t surface) { return 2000 + surface; }
+constexpr bool is_cap(std::int32_t tag) { return tag > cap_tag(0); }
+
+/// Tags of the user's own regions.
+constexpr std::int32_t first_user_region = 51, last_user_region = 99;
+
+/// Whether a label map can hold the region; the annuli are made of meshes.
+constexpr bool is_label(Region region) { return region <= Region::torso; }
+
+bool is_myocardium(Region region);  ///< ventricles, papillary muscles, atrial walls with their annuli
+bool is_annulus(Region region);
+bool is_blood(Region region);  ///< chambers, aorta, pulmonary artery
 
 }  // namespace heartgen

@@ -51,7 +51,8 @@ void check_name(const std::string& name, const std::vector<std::string>& known, 
 
 void check_landmarks(const Landmarks& landmarks, const std::string& where) {
   std::vector<std::string> regions;
-  for (const auto& row : region_table()) regions.emplace_back(row.name);
+  for (const auto& row : region_table())
+    if (is_label(static_cast<Region>(row.tag))) regions.emplace_back(row.name);
   for (const auto& [name, point] : landmarks.seeds_mm) check_name(name, regions, "seed", where);
   for (const auto& [name, valve] : landmarks.valves) {
     check_name(name, valve_names, "valve", where);

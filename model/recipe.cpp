@@ -195,6 +195,7 @@ void read_label_section(Section& top, LabelSettings& labels) {
   if (const auto* regions = section.subtable("regions")) {
     Section names{*regions, top.path, "labels.regions"};
     for (const auto& region : region_table()) {
+      if (!is_label(static_cast<Region>(region.tag))) continue;
       const std::string name(region.name);
       if (regions->contains(name))
         names.take(name, labels.regions[name]);
@@ -217,19 +218,20 @@ void read_fiber_section(Section& top, FiberSettings& fibers) {
   section.refuse_unknown();
 }
 
-void read_steps(Section& top, std::vector<SegmentationStep>& steps) {
-  top.known.emplace_back("segmentation");
-  const auto* node = top.table.get("segmentation");
+/// [[name]], as often as there are entries.
+template <class Settings>
+void read_list(Section& top, const std::string& name, std::vector<Settings>& entries) {
+  top.known.push_back(name);
+  const auto* node = top.table.get(name);
   if (!node) return;
+  const auto remedy = fmt::format("write [[{}]] for each", name);
   const auto* array = node->as_array();
-  if (!array)
-    throw UserError("\"segmentation\" must be a list of steps", place(top.path, *node),
-                    "write [[segmentation]] per step");
-  steps.clear();
+  if (!array) throw UserError(fmt::format("\"{}\" must be a list of sections", name), place(top.path, *node), remedy);
+  entries.clear();
   for (const auto& element : *array) {
     if (!element.is_table())
-      throw UserError("a segmentation step must be a section", place(top.path, element), "write [[segmentation]]");
-    read_settings(*element.as_table(), top.path, "segmentation", steps.emplace_back());
+      throw UserError(fmt::format("an entry of \"{}\" must be a section", name), place(top.path, element), remedy);
+    read_settings(*element.as_table(), top.path, name, entries.emplace_back());
   }
 }
 
@@ -352,12 +354,14 @@ Recipe read_recipe(const std::string& path) {
   read_landmark_section(top, recipe.landmarks);
   check_landmarks(recipe.landmarks, path);
   read_section(top, "denoise", recipe.denoise);
-  read_steps(top, recipe.segmentation);
+  read_list(top, "segmentation", recipe.segmentation);
   read_section(top, "chambers", recipe.chambers);
   read_section(top, "epicardium", recipe.epicardium);
   read_section(top, "torso", recipe.torso);
   TorsoSettings::describe_files([&](const char*, std::string& file, const char*) { resolve(file, folder); },
                                 recipe.torso);
+  read_list(top, "regions", recipe.regions);
+  for (auto& region : recipe.regions) resolve(region.file, folder);
   read_section(top, "mesh", recipe.mesh);
   read_fiber_section(top, recipe.fibers);
   read_section(top, "validation", recipe.validation);
@@ -385,6 +389,10 @@ std::string write_recipe(const Recipe& recipe, bool file_names_only) {
   TorsoSettings torso = recipe.torso;
   if (file_names_only) TorsoSettings::describe_files(drop_folder, torso);
   text += settings_text("[torso]", torso);
+  for (RegionSettings region : recipe.regions) {
+    if (file_names_only) drop_folder("", region.file, "");
+    text += settings_text("[[regions]]", region);
+  }
   for (const char* section : {"mesh", "fibers", "validation"}) text += recipe_section(recipe, section);
   return text;
 }

@@ -221,6 +221,18 @@ struct TorsoSettings {
   }
 };
 
+/// A region of the user's own, painted onto the cells of the heart's walls: scar, fibrosis, an ablation line.
+struct RegionSettings {
+  std::string file;                // label image (.nii[.gz], .nrrd, .mhd, .mha) or closed surface (.stl, .vtp, .vtk)
+  std::vector<std::string> names;  // of its values, ascending; empty: those in the file, or the file's own name
+
+  template <class V>
+  static void describe(V&& v, auto& s) {
+    v("file", s.file, "label image, or closed surface of triangles (.stl, .vtp, .vtk)");
+    v("names", s.names, "of its values, ascending; empty: those in the file, or the file's own name");
+  }
+};
+
 struct MeshSettings {
   std::string backend = "lattice";  // of the heart and the torso: "lattice", "distmesh", "cgal" or "tetgen"
   std::vector<std::string> meshes = {"myocardium", "chambers", "torso", "trachea", "carotid"};
@@ -231,8 +243,9 @@ struct MeshSettings {
   double torso_edge_mm = 12;           // in the torso, away from the heart
   double trachea_edge_mm = 1.6;
   double carotid_edge_mm = 0.9;
-  double smoothing_mm = 0.8;  // the label map is smoothed by this much before surfaces are taken
-  double growth = 0.35;       // increase of the edge length per mm of distance from the heart
+  double smoothing_mm = 0.8;         // the label map is smoothed by this much before surfaces are taken
+  double growth = 0.35;              // increase of the edge length per mm of distance from the heart
+  std::string insulation = "layer";  // between atria and ventricles: "layer", "split" or "none"
 
   template <class V>
   static void describe(V&& v, auto& s) {
@@ -247,6 +260,8 @@ struct MeshSettings {
     v("carotid_edge_mm", s.carotid_edge_mm, "edge length in the carotid");
     v("smoothing_mm", s.smoothing_mm, "smoothing of the label map before surfaces are taken");
     v("growth", s.growth, "increase of the edge length per mm of distance from the heart");
+    v("insulation", s.insulation,
+      "between atria and ventricles: \"layer\" of cells with regions of their own, \"split\" nodes, or \"none\"");
   }
 };
 
@@ -369,6 +384,7 @@ struct Recipe {
   ChamberSettings chambers;
   EpicardiumSettings epicardium;
   TorsoSettings torso;
+  std::vector<RegionSettings> regions;  // [[regions]]
   MeshSettings mesh;
   FiberSettings fibers;
   ValidationSettings validation;

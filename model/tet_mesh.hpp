@@ -36,6 +36,22 @@ struct Rim {
   std::vector<std::int32_t> nodes;  ///< ascending
 };
 
+/// A region of the user's own on the cells of a mesh: scar, fibrosis, an ablation line.
+struct UserRegion {
+  std::string name;
+  std::int32_t tag = 0;         ///< from first_user_region on (labels.hpp)
+  std::vector<float> fraction;  ///< per cell: the part of its volume that lies in the region, 0 to 1
+};
+
+/// The closed surface of a pool of blood: the faces of a mesh that it touches, and over each of its openings a cap of
+/// triangles between the nodes of the rim alone. A manifold; its normals look out of the blood.
+struct Cavity {
+  std::string name;                   ///< e.g. "lv_cavity"
+  std::int32_t region = 0;            ///< of the blood, also where the mesh holds none of it
+  std::vector<Face> faces;            ///< node ids of the mesh
+  std::vector<std::int32_t> surface;  ///< per face: that of the mesh's face, or the cap's (labels.hpp: cap_tag)
+};
+
 struct TetMesh {
   std::vector<Vec3> nodes_mm;
   std::vector<Cell> cells;
@@ -51,6 +67,11 @@ struct TetMesh {
   std::vector<float>
       rule_difference_deg;  ///< per cell: from cell_fibers.fiber to the rule's axis; -1: no such; or empty
 
+  std::vector<UserRegion> user_regions;
+  std::vector<std::int32_t> user_region;  ///< per cell: tag of the user's region that it counts for, 0: none; or empty
+
+  std::vector<Cavity> cavities;
+
   /// For a mesh cut out of a larger one of the same bundle (myocardium out of torso): ids there. Else empty.
   std::vector<std::int32_t> parent_node;
   std::vector<std::int32_t> parent_cell;
@@ -65,6 +86,18 @@ inline double cell_volume_mm3(const TetMesh& mesh, const Cell& c) {
   return dot(p[static_cast<std::size_t>(c[1])] - a,
              cross(p[static_cast<std::size_t>(c[2])] - a, p[static_cast<std::size_t>(c[3])] - a)) /
          6;
+}
+
+/// Volume in mm^3 inside of a closed surface whose normals look outwards.
+inline double enclosed_volume_mm3(const std::vector<Vec3>& nodes_mm, const std::vector<Face>& faces) {
+  if (faces.empty()) return 0;
+  const Vec3 origin = nodes_mm[static_cast<std::size_t>(faces[0][0])];  // near: less is cancelled
+  double volume = 0;
+  for (const auto& face : faces) {
+    const auto at = [&](std::size_t i) { return nodes_mm[static_cast<std::size_t>(face[i])] - origin; };
+    volume += dot(at(0), cross(at(1), at(2))) / 6;
+  }
+  return volume;
 }
 
 }  // namespace heartgen

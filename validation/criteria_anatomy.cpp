@@ -53,6 +53,22 @@ std::vector<Criterion> anatomy_criteria() {
   add("anatomy", "tricuspid_orifice", "area", between(1.5, 4, 25, 45), tricuspid);
   add("anatomy", "pulmonary_orifice", "area", between(1, 2, 14, 25), pulmonary);
   add("anatomy", "*", "missing", warn_above(0), "A ventricle without an outlet is a closed bag.");
+  for (const char* defect : {"open_edges", "non_manifold_edges", "non_manifold_vertices", "turned_edges"})
+    add("cavities", "*", defect, zero(), "The volume inside of a surface needs one that is closed and has two sides.");
+  add("cavities", "*", "cap_nodes_off_rims", zero(),
+      "A cap moves with the wall: other nodes than the rim's have nothing that moves them.");
+  add("cavities", "*", "volume", at_least(0), "Normals look out of the blood.");
+  add("cavities", "*", "volume_difference", between(-2, -0.5, 0.5, 2),
+      "Caps span orifices that are nearly flat: more than 0.5 % of a chamber is more than edges of 1.5 mm make of it.");
+  add("cavities", "*", "caps", told(), "A chamber has as many openings as the image shows.");
+  for (const char* metric : {"conducting_faces", "conducting_nodes"})
+    add("insulation", "*", metric, zero(),
+        "The fibrous skeleton parts atria and ventricles: a wave passes the bundle of His alone.");
+  add("insulation", "*", "*", told(), "The recipe says whether atria and ventricles are parted.");
+  add("regions", "*", "tagged_difference", {-10.0, -2.0, 2.0, 10.0},
+      "Cells that count for a region keep its volume, unless it is smaller than a few of them.");
+  add("regions", "*", "outside_walls", warn_above(0.5), "Most of the region lies outside the heart's walls.");
+  add("regions", "*", "*", told(), "The region is as large as the user has drawn it.");
   return rows;
 }
 

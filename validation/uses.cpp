@@ -94,6 +94,8 @@ bool is_or_is_part_of(std::string_view scope, std::string_view mesh) {
 bool concerns(const ReportRow& row, const Use& use) {
   if (row.group == "mesh") return is_or_is_part_of(row.scope, use.mesh);
   if (row.group == "fibers") return use.needs_fibers && row.scope.find('/') == std::string::npos;
+  if (row.group == "insulation") return row.scope == use.mesh && use.needs_fibers;
+  if (row.group == "cavities") return std::string_view(use.name) == "mechanics";
   if (row.group == "anatomy") return std::string_view(use.mesh) == "chambers";
   return row.group == "labels" || row.group == "fit" || (row.group == "pose" && std::string_view(use.mesh) == "torso");
 }

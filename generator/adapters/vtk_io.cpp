@@ -37,6 +37,8 @@ static_assert(sizeof(Mat3) == 9 * sizeof(double));
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "arrays of Vec3 are handed to VTK as they lie in memory");
 static_assert(sizeof(Cell) == 4 * sizeof(std::int32_t) && sizeof(Face) == 3 * sizeof(std::int32_t));
 
+const std::string user_fraction_prefix = "fraction_";
+
 // VTK only reads through the pointers that these arrays borrow.
 template <class Array, class T>
 vtkSmartPointer<Array> borrow_as(const char* name, const T* values, std::size_t tuples, int components) {
@@ -69,6 +71,20 @@ auto borrow(const char* name, const std::vector<std::uint8_t>& values) {
 template <class Values>
 void add(vtkFieldData* data, const char* name, const Values& values) {
   if (!values.empty()) data->AddArray(borrow(name, values));
+}
+
+void add_user_regions(vtkUnstructuredGrid* grid, const TetMesh& mesh) {
+  std::vector<std::int32_t> tags;
+  for (const auto& region : mesh.user_regions) {
+    add(grid->GetCellData(), (user_fraction_prefix + region.name).c_str(), region.fraction);
+    tags.push_back(region.tag);
+  }
+  add(grid->GetCellData(), "user_region", mesh.user_region);
+  if (tags.empty()) return;
+  vtkNew<vtkIntArray> copy;  // the grid outlives `tags`
+  copy->DeepCopy(borrow("user_region_tag", tags));
+  copy->SetName("user_region_tag");
+  grid->GetFieldData()->AddArray(copy);
 }
 
 void add_fibers(vtkFieldData* data, const FiberField& fibers) {
@@ -256,6 +272,7 @@ void write_vtu(const std::filesystem::path& path, const TetMesh& mesh) {
   add(grid->GetCellData(), "region", mesh.region);
   add_fibers(grid->GetCellData(), mesh.cell_fibers);
   add(grid->GetCellData(), "rule_difference_deg", mesh.rule_difference_deg);
+  add_user_regions(grid, mesh);
   add(grid->GetCellData(), "parent_cell", mesh.parent_cell);
   add_fibers(grid->GetPointData(), mesh.node_fibers);
   add(grid->GetPointData(), "fiber_source", mesh.fiber_source);
@@ -296,6 +313,36 @@ void write_curves(const std::filesystem::path& path, const TetMesh& mesh,
   data->SetPoints(borrow_points(points));
   data->SetLines(cell_array(lines));
   data->GetCellData()->AddArray(borrow("curve", number));
+  data->GetPointData()->AddArray(borrow("GlobalNodeID", global_ids));
+  data->GetFieldData()->AddArray(names);
+  write_xml<vtkXMLPolyDataWriter>(path, data);
+}
+
+void write_cavities(const std::filesystem::path& path, const TetMesh& mesh) {
+  std::vector<std::int32_t> nodes, cavity, surface, global_ids;
+  std::vector<Face> faces;
+  std::vector<Vec3> points;
+  vtkNew<vtkStringArray> names;
+  names->SetName("cavity_name");
+  for (const auto& one : mesh.cavities) {
+    names->InsertNextValue(one.name);
+    faces.insert(faces.end(), one.faces.begin(), one.faces.end());
+    surface.insert(surface.end(), one.surface.begin(), one.surface.end());
+    cavity.insert(cavity.end(), one.faces.size(), one.region);
+    for (const auto& face : one.faces) nodes.insert(nodes.end(), face.begin(), face.end());
+  }
+  sort_unique(nodes);
+  for (auto& face : faces)
+    for (auto& node : face) node = static_cast<std::int32_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
+  for (const auto node : nodes) {
+    points.push_back(mesh.nodes_mm[static_cast<std::size_t>(node)]);
+    global_ids.push_back(node + 1);
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(borrow_points(points));
+  data->SetPolys(cell_array(faces));
+  data->GetCellData()->AddArray(borrow("cavity", cavity));
+  data->GetCellData()->AddArray(borrow("surface", surface));
   data->GetPointData()->AddArray(borrow("GlobalNodeID", global_ids));
   data->GetFieldData()->AddArray(names);
   write_xml<vtkXMLPolyDataWriter>(path, data);

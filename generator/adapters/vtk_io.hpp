@@ -4,8 +4,9 @@
 /// time stamps. Points in LPS mm. Not collective; call on one rank.
 ///
 /// NAME.vtu: points float64; cell arrays `region` int32, `fiber` `sheet` `sheet_normal` float64×3,
-///   `rule_difference_deg` float32, `parent_cell` int32; point arrays `fiber` `sheet` `sheet_normal`, `fiber_source`
-///   uint8, `parent_node` int32. Empty arrays are left out.
+///   `rule_difference_deg` float32, `parent_cell` int32, of the user's regions `user_region` int32 and `fraction_NAME`
+///   float32; point arrays `fiber` `sheet` `sheet_normal`, `fiber_source` uint8, `parent_node` int32; field array
+///   `user_region_tag` int32, in the order of the fractions. Empty arrays are left out.
 /// NAME.vtp: the points that faces or rims use; cell array `surface` int32; point array `GlobalNodeID` int32, the
 ///   1-based node in NAME.vtu; per rim one uint8 point array with the rim's name (1 on the rim), because a node may
 ///   lie on several rims; field array `rim_tag` int32 with the rims' tags in the order of these arrays.
@@ -16,6 +17,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "model/mesh_queries/feature_curves.hpp"
@@ -66,6 +68,24 @@ using heartgen::UnstructuredData;
 /// and 9 components are kept, as double, those of cells on tetrahedra and triangles. Throws UserError, also for volumes
 /// that are no linear tetrahedra, without tetrahedra, and for a coordinate that is not finite.
 UnstructuredData read_unstructured(const std::filesystem::path& path);
+
+/// Triangles without anything else.
+struct TriangleSurface {
+  std::vector<Vec3> points;  ///< in the file's own unit and frame
+  std::vector<Face> faces;
+};
+inline auto members(TriangleSurface& s) { return std::tie(s.points, s.faces); }
+
+/// The triangles of a .vtp or legacy .vtk file of polygons. Throws UserError, also for polygons of more corners.
+TriangleSurface read_triangles(const std::filesystem::path& path);
+
+/// Closed surfaces of blood pools, each with its triangles: cell arrays `cavity` int32, the region of the blood, and
+/// `surface` int32, that of the mesh's face or the cap's tag; point array `GlobalNodeID` as in NAME.vtp; field array
+/// `cavity_name`, their names in order of `cavity`'s first occurrence.
+void write_cavities(const std::filesystem::path& path, const TetMesh& mesh);
+
+/// The inverse: fills the cavities of a mesh that read_vtu returned.
+void read_cavities(const std::filesystem::path& path, TetMesh& mesh);
 
 /// .vtu like write_vtu, or (any other extension) binary legacy .vtk of file version 4.2, which older readers know too.
 /// Triangles stand before tetrahedra; where an array has no values on the ones or the others, they are 0. Arrays are

@@ -10,7 +10,9 @@
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
+#include <vtkPolyDataReader.h>
 #include <vtkSmartPointer.h>
+#include <vtkStringArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkUnstructuredGridReader.h>
 #include <vtkXMLPolyDataReader.h>
@@ -21,6 +23,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <string_view>
 
 #include "generator/adapters/behind_wall.hpp"
 #include "generator/adapters/vtk_counts.hpp"
@@ -228,6 +231,20 @@ vtkSmartPointer<vtkUnstructuredGrid> read_grid(const std::filesystem::path& path
   fail_reading(path, "neither a legacy .vtk nor a .vtu file with an unstructured grid");
 }
 
+void read_user_regions(const std::filesystem::path& path, vtkUnstructuredGrid* grid, TetMesh& mesh) {
+  constexpr std::string_view prefix = "fraction_";
+  vtkFieldData* on_cells = grid->GetCellData();
+  mesh.user_region = scalars_of<std::int32_t>(find_array(path, on_cells, "user_region", 1, mesh.cells.size()));
+  const auto tags = scalars_of<std::int32_t>(grid->GetFieldData()->GetArray("user_region_tag"));
+  for (int a = 0; a < on_cells->GetNumberOfArrays() && mesh.user_regions.size() < tags.size(); ++a) {
+    const char* name = on_cells->GetArrayName(a);
+    if (name == nullptr || !std::string_view(name).starts_with(prefix)) continue;
+    mesh.user_regions.push_back({name + prefix.size(), tags[mesh.user_regions.size()],
+                                 scalars_of<float>(find_array(path, on_cells, name, 1, mesh.cells.size()))});
+  }
+  if (mesh.user_regions.size() != tags.size()) fail_reading(path, "a region of 'user_region_tag' has no fractions");
+}
+
 TetMesh tet_mesh_of(const std::filesystem::path& path) {
   const auto grid = read_with<vtkXMLUnstructuredGridReader, vtkUnstructuredGrid>(path);
   TetMesh mesh;
@@ -246,7 +263,67 @@ TetMesh tet_mesh_of(const std::filesystem::path& path) {
   mesh.rule_difference_deg = scalars_of<float>(find_array(path, on_cells, "rule_difference_deg", 1, cells));
   mesh.parent_node = scalars_of<std::int32_t>(find_array(path, on_nodes, "parent_node", 1, nodes));
   mesh.parent_cell = scalars_of<std::int32_t>(find_array(path, on_cells, "parent_cell", 1, cells));
+  read_user_regions(path, grid, mesh);
   return mesh;
+}
+
+/// 0-based nodes of a mesh with so many, per point of a surface.
+std::vector<std::int32_t> nodes_of_points(const std::filesystem::path& path, vtkPolyData* data, std::size_t nodes) {
+  const auto points = static_cast<std::size_t>(data->GetNumberOfPoints());
+  auto node = scalars_of<std::int32_t>(find_array(path, data->GetPointData(), "GlobalNodeID", 1, points));
+  if (node.size() != points) fail_reading(path, "point array 'GlobalNodeID' is missing");
+  for (auto& id : node)
+    if (--id < 0 || static_cast<std::size_t>(id) >= nodes)
+      fail_reading(path, fmt::format("GlobalNodeID {} is not a node of the mesh", id + 1));
+  return node;
+}
+
+std::vector<Face> triangles_of(const std::filesystem::path& path, vtkPolyData* data) {
+  const auto points = static_cast<std::size_t>(data->GetNumberOfPoints());
+  std::vector<Face> faces;
+  for (vtkIdType f = 0; f < data->GetNumberOfPolys(); ++f)
+    faces.push_back(read_cell<3>(path, data->GetPolys(), f, points));
+  return faces;
+}
+
+/// One array of int32 per face that must be there.
+std::vector<std::int32_t> required_tags(const std::filesystem::path& path, vtkPolyData* data, const char* name) {
+  const auto faces = static_cast<std::size_t>(data->GetNumberOfPolys());
+  auto tags = scalars_of<std::int32_t>(find_array(path, data->GetCellData(), name, 1, faces));
+  if (tags.size() != faces) fail_reading(path, fmt::format("cell array '{}' is missing", name));
+  return tags;
+}
+
+/// Cavities of a mesh of so many nodes.
+TetMesh cavities_of(const std::filesystem::path& path, std::size_t nodes) {
+  TetMesh mesh;
+  const auto data = read_with<vtkXMLPolyDataReader, vtkPolyData>(path);
+  const auto node = nodes_of_points(path, data, nodes);
+  auto faces = triangles_of(path, data);
+  const auto region = required_tags(path, data, "cavity"), surface = required_tags(path, data, "surface");
+  auto* names = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("cavity_name"));
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (mesh.cavities.empty() || mesh.cavities.back().region != region[f]) {
+      const auto next = static_cast<vtkIdType>(mesh.cavities.size());
+      if (names == nullptr || next >= names->GetNumberOfValues()) fail_reading(path, "a cavity has no name");
+      mesh.cavities.push_back({names->GetValue(next), region[f], {}, {}});
+    }
+    for (auto& id : faces[f]) id = node[static_cast<std::size_t>(id)];
+    mesh.cavities.back().faces.push_back(faces[f]);
+    mesh.cavities.back().surface.push_back(surface[f]);
+  }
+  return mesh;
+}
+
+vtkSmartPointer<vtkPolyData> read_poly_data(const std::filesystem::path& path) {
+  if (path.extension() == ".vtk") return read_with<vtkPolyDataReader, vtkPolyData>(path);
+  return read_with<vtkXMLPolyDataReader, vtkPolyData>(path);
+}
+
+TriangleSurface triangle_surface_of(const std::filesystem::path& path) {
+  const auto data = read_poly_data(path);
+  if (data->GetNumberOfStrips() > 0) fail_reading(path, "it holds strips of triangles, which are not read");
+  return {read_points(path, data), triangles_of(path, data)};
 }
 
 /// Faces, surfaces and rims of a mesh of so many nodes.
@@ -254,18 +331,11 @@ TetMesh surface_of(const std::filesystem::path& path, std::size_t nodes) {
   TetMesh mesh;
   const auto data = read_with<vtkXMLPolyDataReader, vtkPolyData>(path);
   const auto points = static_cast<std::size_t>(data->GetNumberOfPoints());
-  const auto faces = static_cast<std::size_t>(data->GetNumberOfPolys());
-  auto node = scalars_of<std::int32_t>(find_array(path, data->GetPointData(), "GlobalNodeID", 1, points));
-  if (node.size() != points) fail_reading(path, "point array 'GlobalNodeID' is missing");
-  for (auto& id : node)
-    if (--id < 0 || static_cast<std::size_t>(id) >= nodes)
-      fail_reading(path, fmt::format("GlobalNodeID {} is not a node of the mesh", id + 1));
-  for (std::size_t f = 0; f < faces; ++f) {
-    mesh.faces.push_back(read_cell<3>(path, data->GetPolys(), static_cast<vtkIdType>(f), points));
-    for (auto& id : mesh.faces.back()) id = node[static_cast<std::size_t>(id)];
-  }
-  mesh.surface = scalars_of<std::int32_t>(find_array(path, data->GetCellData(), "surface", 1, faces));
-  if (mesh.surface.size() != faces) fail_reading(path, "cell array 'surface' is missing");
+  const auto node = nodes_of_points(path, data, nodes);
+  mesh.faces = triangles_of(path, data);
+  for (auto& face : mesh.faces)
+    for (auto& id : face) id = node[static_cast<std::size_t>(id)];
+  mesh.surface = required_tags(path, data, "surface");
   const auto rim_tags = scalars_of<std::int32_t>(data->GetFieldData()->GetArray("rim_tag"));
   for (int a = 0; a < data->GetPointData()->GetNumberOfArrays() && mesh.rims.size() < rim_tags.size(); ++a) {
     const std::string name = data->GetPointData()->GetArrayName(a);
@@ -348,6 +418,19 @@ void read_surface(const std::filesystem::path& path, TetMesh& mesh) {
   mesh.faces = std::move(surface.faces);
   mesh.surface = std::move(surface.surface);
   mesh.rims = std::move(surface.rims);
+}
+
+void read_cavities(const std::filesystem::path& path, TetMesh& mesh) {
+  const std::size_t nodes = mesh.nodes_mm.size();
+  TetMesh read = read_by_vtk<TetMesh>(path, [&] { return cavities_of(path, nodes); });
+  for (const auto& cavity : read.cavities) check_ids(path, cavity.faces, nodes);
+  mesh.cavities = std::move(read.cavities);
+}
+
+TriangleSurface read_triangles(const std::filesystem::path& path) {
+  TriangleSurface surface = read_by_vtk<TriangleSurface>(path, [&] { return triangle_surface_of(path); });
+  check_ids(path, surface.faces, surface.points.size());
+  return surface;
 }
 
 UnstructuredData read_unstructured(const std::filesystem::path& path) {

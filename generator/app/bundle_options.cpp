@@ -18,6 +18,8 @@ void add_build(Program& p) {
                   "  heartgen build recipe.toml --ct patient.nii.gz --output bundle\n"
                   "Labels from elsewhere; what they lack (thin walls, body) is made from the CT:\n"
                   "  heartgen build recipe.toml --ct ct.nii.gz --labels masks -o bundle\n"
+                  "Scar of late enhancement, grey zone 1 and core 2 in the image:\n"
+                  "  heartgen build recipe.toml --regions lge.nii.gz:grey_zone,core --output bundle\n"
                   "Correct one stage by hand:\n"
                   "  heartgen build recipe.toml --keep-stages stages -o first\n"
                   "  (edit stages/chambers.nii.gz; in the recipe: [replace] chambers = \"stages/chambers.nii.gz\")\n"
@@ -36,6 +38,10 @@ void add_build(Program& p) {
       "recipe's");
   sub->add_option("--atlas-array", p.build.atlas_array,
                   "its array with the fibres (default: the one with a known name: fib..., f0, e1 ...)");
+  sub->add_option("--regions", p.build.regions,
+                  "region of your own (scar, fibrosis, ablation line), painted onto the walls: FILE, FILE:NAME or "
+                  "FILE:NAME,NAME, a label image or a closed surface (.stl, .vtp, .vtk); may be given again")
+      ->allow_extra_args(false);
   sub->add_option("--landmarks", p.build.landmarks, "seeds and valve planes (.json), instead of the recipe's");
   sub->add_option("-o,--output", p.build.output, "folder of the bundle")->required();
   sub->add_option("--keep-stages", p.build.keep_stages,

@@ -2,6 +2,7 @@
 #include "generator/app/commands.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -25,6 +26,7 @@
 #include "generator/landmarks/search.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/walls.hpp"
+#include "generator/painting/region_masks.hpp"
 #include "generator/pde/filters.hpp"
 #include "generator/pipeline/bundle_stage.hpp"
 #include "generator/pipeline/check_inputs.hpp"
@@ -113,6 +115,8 @@ int build_command(const BuildCommand& command, const parallel::Comm& comm) {
   if (!command.atlas.empty()) recipe.input.atlas = command.atlas;
   if (!command.atlas_array.empty()) recipe.input.atlas_array = command.atlas_array;
   if (!command.landmarks.empty()) recipe.landmarks = read_landmarks(command.landmarks);
+  if (!command.regions.empty()) recipe.regions.clear();
+  for (const auto& text : command.regions) recipe.regions.push_back(painting::region_argument(text));
   options.output = fs::path(command.output).lexically_normal();
   if (options.output.filename().empty()) options.output = options.output.parent_path();
   if (!command.no_cache) options.cache_folder = fs::path(options.output.string() + ".cache");
@@ -202,6 +206,11 @@ int info_command(const std::string& bundle, bool json) {
     for (const auto& [name, mesh] : manifest.meshes)
       out["meshes"][name] = {{"nodes", mesh.nodes},     {"cells", mesh.cells},       {"labelled_faces", mesh.faces},
                              {"regions", mesh.regions}, {"surfaces", mesh.surfaces}, {"rims", mesh.rims}};
+    for (const auto& [name, mesh] : manifest.meshes) {
+      if (!mesh.user_regions.empty()) out["meshes"][name]["user_regions"] = mesh.user_regions;
+      for (const auto& [cavity, entry] : mesh.cavities)
+        out["meshes"][name]["cavities"][cavity] = {{"volume_ml", entry.volume_ml}, {"caps", entry.caps}};
+    }
     fmt::print("{}\n", out.dump(1));
     return 0;
   }
@@ -213,6 +222,9 @@ int info_command(const std::string& bundle, bool json) {
     for (const auto& [region, cells] : mesh.regions) fmt::print("  region  {:<28} {:>9} cells\n", region, cells);
     for (const auto& [surface, faces] : mesh.surfaces) fmt::print("  surface {:<28} {:>9} faces\n", surface, faces);
     for (const auto& [rim, nodes] : mesh.rims) fmt::print("  rim     {:<28} {:>9} nodes\n", rim, nodes);
+    for (const auto& [region, cells] : mesh.user_regions) fmt::print("  yours   {:<28} {:>9} cells\n", region, cells);
+    for (const auto& [cavity, entry] : mesh.cavities)
+      fmt::print("  cavity  {:<28} {:>9.1f} ml, {}\n", cavity, entry.volume_ml, fmt::join(entry.caps, ", "));
   }
   return 0;
 }

@@ -17,6 +17,7 @@ namespace heartgen::app {
 struct BuildCommand {
   int phase = 0;
   std::string recipe, ct, labels, preset, atlas, atlas_array, landmarks, keep_stages, output;
+  std::vector<std::string> regions;  ///< FILE, FILE:NAME or FILE:NAME,NAME
   bool no_cache = false, force = false, accept_doubtful = false, json = false, quiet = false;
 };
 /// @collective

@@ -24,7 +24,7 @@ void group_by_road(Program& p) {
   const std::pair<const char*, std::vector<const char*>> roads[]{
       {"You have a scan, or labels of it", {"build", "landmarks", "place"}},
       {"You have a bundle", {"get", "info", "verify", "validate", "report", "export", "transfer", "pack", "unpack"}},
-      {"You have a label map or a mesh", {"mesh", "improve", "slice"}},
+      {"You have a label map or a mesh", {"mesh", "improve", "paint", "slice"}},
       {"You have an image", {"filter", "contours", "segment", "inpaint"}},
       {"You have nothing yet", {"phantom", "selftest"}}};
   for (const auto& [road, commands] : roads)

@@ -9,6 +9,7 @@
 #include "generator/app/get_command.hpp"
 #include "generator/app/improve_command.hpp"
 #include "generator/app/inpaint_command.hpp"
+#include "generator/app/paint_command.hpp"
 #include "generator/app/place_command.hpp"
 #include "generator/app/segment_command.hpp"
 #include "generator/app/slice_command.hpp"
@@ -30,6 +31,7 @@ struct Program {
   ImproveCommand improve{};
   InpaintCommand inpaint{};
   TransferCommand transfer{};
+  PaintCommand paint{};
   PlaceCommand place{};
   GetCommand get{};
   SliceCommand slice{};

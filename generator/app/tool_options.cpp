@@ -137,6 +137,26 @@ void add_improve(Program& p) {
   sub->add_flag("--json", c.json, "print as JSON");
 }
 
+void add_paint(Program& p) {
+  auto& c = p.paint;
+  auto* sub = add_command(p.line, "paint", "Paint regions of your own onto the cells of any tetrahedral mesh",
+                          "heartgen paint mine.vtu scarred.vtu --regions lge.nii.gz:grey_zone,core\n"
+                          "  heartgen paint mine.msh ablated.msh --regions line.stl:ablation --only la_wall",
+                          on_root(p.line, [&p] { return paint_command(p.paint); }));
+  sub->add_option("input", c.input, std::string("mesh in mm, in the frame LPS; its arrays stay: ") + mesh_kinds)
+      ->required();
+  sub->add_option("output", c.output, "mesh to write: .vtu, .vtk or .msh")->required();
+  sub->add_option("--regions", c.regions,
+                  "FILE, FILE:NAME or FILE:NAME,NAME: a label image or a closed surface (.stl, .vtp, .vtk); may be "
+                  "given again")
+      ->required()
+      ->allow_extra_args(false);
+  sub->add_option("--only", c.only, "regions of the mesh that are painted, names or numbers separated by commas")
+      ->delimiter(',');
+  sub->add_option("--region", c.region, "cell array with the mesh's regions (default: region, gmsh:physical ...)");
+  sub->add_flag("--json", c.json, "print as JSON");
+}
+
 void add_inpaint(Program& p) {
   auto* sub = add_command(p.line, "inpaint", "Fill the gaps in an image of fibre axes by total variation",
                           "heartgen inpaint fibers filled --labels labels.nii.gz",
@@ -171,6 +191,7 @@ void add_tool_options(Program& p) {
   add_slice(p);
   add_improve(p);
   add_inpaint(p);
+  add_paint(p);
   add_selftest(p);
 }
 

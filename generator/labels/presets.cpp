@@ -197,7 +197,9 @@ LabelPreset value_preset(std::string_view name, std::string_view what, std::map<
 
 LabelPreset own_preset() {
   std::map<std::int32_t, KnownStructure> values;
-  for (const auto& row : region_table()) values[row.tag] = {std::string(row.name), static_cast<Region>(row.tag)};
+  for (const auto& row : region_table())
+    if (const auto region = static_cast<Region>(row.tag); is_label(region))
+      values[row.tag] = {std::string(row.name), region};
   return value_preset("heartgen", "the tags and names of heartgen's own regions", std::move(values));
 }
 

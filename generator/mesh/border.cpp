@@ -242,6 +242,14 @@ std::int64_t flatten_border(const Grid& grid, std::vector<Vec3>& nodes_mm, const
   return left;
 }
 
+std::int32_t surface_at_border(std::int32_t surface) {
+  for (const Region artery : {Region::aorta, Region::pulmonary_artery}) {
+    const auto end = *surface_from_name(region_name(tag(artery)) + "_end");
+    if (surface == surface_between(artery, Region::none) || surface == end) return end;
+  }
+  return *surface_from_name("fov_cut");
+}
+
 void label_border_faces(TetMesh& mesh, const Grid& grid) {
   constexpr double near_voxels = 1e-4;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f)
@@ -252,7 +260,7 @@ void label_border_faces(TetMesh& mesh, const Grid& grid) {
         at[i] = index_from_lps(grid, mesh.nodes_mm[static_cast<std::size_t>(mesh.faces[f][i])])[axis];
       for (const double plane : {-0.5, last})
         if (std::all_of(at.begin(), at.end(), [&](double v) { return std::abs(v - plane) < near_voxels; }))
-          mesh.surface[f] = *surface_from_name("fov_cut");
+          mesh.surface[f] = surface_at_border(mesh.surface[f]);
     }
 }
 

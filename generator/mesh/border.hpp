@@ -33,7 +33,10 @@ std::vector<Vec3> border_layer_points(const MeshDomain& domain, double layer_mm,
 std::int64_t flatten_border(const Grid& grid, std::vector<Vec3>& nodes_mm, const std::vector<Cell>& cells,
                             const std::vector<std::int32_t>& label);
 
-/// Gives outer faces that lie in a plane of the border, whatever they met there, the surface fov_cut.
+/// What a surface is called in a plane of the border: walls of arteries their ends, all others fov_cut.
+std::int32_t surface_at_border(std::int32_t surface);
+
+/// Gives outer faces that lie in a plane of the border the surfaces that they have there.
 void label_border_faces(TetMesh& mesh, const Grid& grid);
 
 }  // namespace heartgen::mesh

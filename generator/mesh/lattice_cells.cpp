@@ -210,10 +210,19 @@ Attempt attempt(Task& task, double reach) {
 // reach gives other ones. And where sheets meet, edges become shorter.
 constexpr std::array reaches{0.5, 0.42, 0.36};
 
+/// Long enough for cells of the edges there.
+double stub_length_mm(const Volume<float>& sizes_mm, const std::vector<HeartEnd>& ends) {
+  constexpr double edges = 2;
+  double longest = 0;
+  for (const auto& end : ends) longest = std::max(longest, edge_at(sizes_mm, end.plane.center_mm));
+  return edges * longest;
+}
+
 tetmesh::LabelBits heart_bits() {
   tetmesh::LabelBits bits = 0;
   for (const auto& row : region_table())
-    if (const auto region = static_cast<Region>(row.tag); is_myocardium(region) || is_blood(region))
+    if (const auto region = static_cast<Region>(row.tag);
+        is_label(region) && (is_myocardium(region) || is_blood(region)))
       bits |= tetmesh::bit_of(row.tag);
   return bits;
 }
@@ -256,8 +265,9 @@ tetmesh::Complex lattice_complex(const tetmesh::Materials& materials, std::span<
 }
 
 LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
-                            std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells, LatticeReport* report) {
-  const auto materials = materials_of(domain, sizes_mm);
+                            std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells, LatticeReport* report,
+                            const std::vector<HeartEnd>& ends) {
+  const auto materials = with_ends(domain, materials_of(domain, sizes_mm), ends, stub_length_mm(sizes_mm, ends));
   LatticeAims aims;
   aims.fitted = heart_bits();  // the body's edges are too coarse for its creases
   aims.tolerated = 8;

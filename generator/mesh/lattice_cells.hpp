@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "generator/mesh/domain.hpp"
+#include "generator/mesh/heart_ends.hpp"
 #include "generator/mesh/label_repair.hpp"
 #include "generator/tetmesh/complex.hpp"
 #include "generator/tetmesh/repair.hpp"
@@ -72,9 +73,10 @@ tetmesh::Complex lattice_complex(const tetmesh::Materials& materials, std::span<
                                  std::int64_t crumb_cells, LatticeReport* report = nullptr,
                                  const LatticeAims& aims = {});
 
-/// lattice_complex of a label map: cells with labels 1 to 17, nodes in LPS mm; the sides of the image are flat.
+/// lattice_complex of a label map: cells with labels 1 to 17, and of stub_label beyond `ends`, nodes in LPS mm; the
+/// sides of the image and the ends are flat.
 LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
                             std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
-                            LatticeReport* report = nullptr);
+                            LatticeReport* report = nullptr, const std::vector<HeartEnd>& ends = {});
 
 }  // namespace heartgen::mesh

@@ -6,17 +6,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "generator/adapters/cgal_mesher.hpp"
 #include "generator/mesh/border.hpp"
+#include "generator/mesh/cavities.hpp"
 #include "generator/mesh/curves.hpp"
 #include "generator/mesh/distmesh_cells.hpp"
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/floating_walls.hpp"
 #include "generator/mesh/improve_kept.hpp"
+#include "generator/mesh/insulation.hpp"
 #include "generator/mesh/label_repair.hpp"
 #include "generator/mesh/lattice_cells.hpp"
 #include "generator/mesh/own_edges.hpp"
@@ -76,13 +80,30 @@ adapters::ImplicitDomain implicit_domain(const MeshDomain& domain, const Volume<
   return implicit;
 }
 
+constexpr std::int32_t inside_torso = -1;  // between a stub and the torso that it becomes a part of
+
+/// Of an artery that ends once.
+std::int32_t end_of(Region artery) { return *surface_from_name(region_name(tag(artery)) + "_end"); }
+
+/// Between a stub, which becomes a part of the torso or goes, and another region.
+std::int32_t surface_of_stub(Region other) {
+  if (other == Region::torso) return inside_torso;
+  if (other == Region::aorta || other == Region::pulmonary_artery) return end_of(other);
+  return surface_between(other, Region::torso);
+}
+
 std::int32_t surface_of(std::int32_t label, std::int32_t other) {
-  if (other == label + beyond_border) return *surface_from_name("fov_cut");
+  if (label == stub_label || other == stub_label)
+    return surface_of_stub(static_cast<Region>(label == stub_label ? other : label));
+  if (other == label + beyond_border)
+    return surface_at_border(surface_between(static_cast<Region>(label), Region::none));
   return surface_between(static_cast<Region>(label), static_cast<Region>(other % beyond_border));
 }
 
+bool has_torso(const MeshDomain& domain) { return domain.share_of[tag(Region::torso)] >= 0; }
+
 // The meshes of the bundle have manifold boundaries: everything, the walls, the blood.
-std::array<LabelSet, 3> manifold_sets() {
+std::array<LabelSet, 3> manifold_sets(bool has_torso) {
   std::array<LabelSet, 3> sets{};
   for (const auto& row : region_table()) {
     const auto at = static_cast<std::size_t>(row.tag);
@@ -90,6 +111,7 @@ std::array<LabelSet, 3> manifold_sets() {
     sets[1][at] = is_myocardium(static_cast<Region>(row.tag));
     sets[2][at] = is_blood(static_cast<Region>(row.tag));
   }
+  sets[0][stub_label] = has_torso;
   return sets;
 }
 
@@ -97,7 +119,7 @@ std::array<LabelSet, 3> manifold_sets() {
 LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<float>& sizes) {
   const float coarsest = *std::max_element(sizes.voxels.begin(), sizes.voxels.end());
   auto cells = adapters::mesh_implicit(implicit_domain(domain, sizes, layer_edges * coarsest), {});
-  repair_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(), crumb_cells);
+  repair_labels(cells.nodes_mm, cells.cells, cells.label, manifold_sets(has_torso(domain)), crumb_cells);
   flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
   improve_kept(cells, beyond_border);
   flatten_border(domain.grid, cells.nodes_mm, cells.cells, cells.label);
@@ -105,9 +127,9 @@ LabelledCells delaunay_cells(const MeshDomain& domain, const Volume<float>& size
 }
 
 /// What floats takes the label around it; where that leaves a boundary that touches itself, a few cells more change.
-void join_walls(LabelledCells& cells) {
+void join_walls(LabelledCells& cells, bool has_torso) {
   constexpr int max_rounds = 4;  // what one step mends, the other may break again
-  const auto sets = manifold_sets();
+  const auto sets = manifold_sets(has_torso);
   for (int round = 0; round < max_rounds; ++round) {
     if (absorb_floating_walls(cells.nodes_mm, cells.cells, cells.label, sets[1]) == 0) return;
     repair_labels(cells.nodes_mm, cells.cells, cells.label, sets, 0);
@@ -115,11 +137,43 @@ void join_walls(LabelledCells& cells) {
   }
 }
 
-void add_orifice_rims(TetMesh& mesh) {
-  for (const auto* name : {"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"}) {
-    auto rim = rim_of(mesh, *surface_from_name(name));
-    if (!rim.nodes.empty()) mesh.rims.push_back(std::move(rim));
+/// What a face of a vessel against a stub is called: an end, or the vessel's wall beside another vessel's stub.
+std::int32_t surface_at_stub(const TetMesh& mesh, const Face& face, Region vessel, const std::vector<HeartEnd>& ends) {
+  constexpr double on_plane_mm = 0.5;
+  Vec3 center;
+  for (const auto node : face) center += mesh.nodes_mm[static_cast<std::size_t>(node)] / 3;
+  const auto* end = nearest_end(ends, vessel, center);
+  const bool is_end = end != nullptr && std::abs(dot(center - end->plane.center_mm, end->plane.normal)) < on_plane_mm;
+  return is_end ? end->surface : surface_between(vessel, Region::torso);
+}
+
+/// Stubs become the torso's.
+void settle_ends(TetMesh& mesh, const std::vector<HeartEnd>& ends) {
+  if (ends.empty()) return;
+  for (auto& region : mesh.region)
+    if (region == stub_label) region = tag(Region::torso);
+  std::size_t kept = 0;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    auto surface = mesh.surface[f];
+    if (surface == inside_torso) continue;
+    for (const Region vessel : {Region::aorta, Region::pulmonary_artery})
+      if (surface == end_of(vessel)) surface = surface_at_stub(mesh, mesh.faces[f], vessel, ends);
+    mesh.faces[kept] = mesh.faces[f];
+    mesh.surface[kept++] = surface;
   }
+  mesh.faces.resize(kept);
+  mesh.surface.resize(kept);
+}
+
+void add_rims(TetMesh& mesh) {
+  std::vector<std::int32_t> surfaces;
+  for (const auto* name : {"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"})
+    surfaces.push_back(*surface_from_name(name));
+  std::set<std::int32_t> ends(mesh.surface.begin(), mesh.surface.end());
+  std::erase_if(ends, [](std::int32_t surface) { return surface_name(surface).find("_end") == std::string::npos; });
+  surfaces.insert(surfaces.end(), ends.begin(), ends.end());
+  for (const auto surface : surfaces)
+    if (auto rim = rim_of(mesh, surface); !rim.nodes.empty()) mesh.rims.push_back(std::move(rim));
 }
 
 Face ascending(Face face) {
@@ -164,6 +218,14 @@ std::vector<Region> regions_where(bool (*accept)(Region)) {
   return regions;
 }
 
+/// Of the walls cut out of the whole mesh, whose nodes their parent ids name.
+void add_cavities(const TetMesh& whole, TetMesh& walls) {
+  std::vector<std::int32_t> new_node(whole.nodes_mm.size(), -1);
+  for (std::size_t n = 0; n < walls.parent_node.size(); ++n)
+    new_node[static_cast<std::size_t>(walls.parent_node[n])] = static_cast<std::int32_t>(n);
+  walls.cavities = cavities_of_part(find_cavities(whole), new_node);
+}
+
 void require(const LabelVolume& labels, std::initializer_list<Region> regions) {
   std::array<bool, 256> present{};
   for (const auto voxel : labels.voxels) present[voxel] = true;
@@ -185,6 +247,7 @@ void check_settings(const MeshSettings& s) {
   if (std::find(backends.begin(), backends.end(), s.backend) == backends.end())
     throw UserError(fmt::format("unknown backend \"{}\"", s.backend), "recipe, [mesh]",
                     fmt::format("use \"{}\"", fmt::join(backends, "\", \"")));
+  insulation_named(s.insulation);
   if (s.wall_layers < 0 || s.wall_layers > max_wall_layers)
     throw UserError(fmt::format("wall_layers is {}", s.wall_layers), "recipe, [mesh]",
                     fmt::format("it must be a whole number from 0 to {}", max_wall_layers));
@@ -204,25 +267,30 @@ LabelVolume heart_only(const LabelVolume& labels) {
 TetMesh mesh_labels(const LabelVolume& labels, const MeshSettings& settings, LatticeReport* report,
                     const Volume<float>* own_edges_mm) {
   check_settings(settings);
-  return mesh_domain(make_domain(labels, settings), settings, report, own_edges_mm);
+  return mesh_domain(make_domain(labels, settings), settings, report, own_edges_mm, find_heart_ends(labels));
 }
 
 TetMesh mesh_domain(const MeshDomain& domain, const MeshSettings& settings, LatticeReport* report,
-                    const Volume<float>* own_edges_mm) {
+                    const Volume<float>* own_edges_mm, const std::vector<HeartEnd>& ends) {
   check_settings(settings);
   const bool is_delaunay = settings.backend == "cgal";
   const auto own = own_edges_mm == nullptr ? std::vector<float>{} : own_edges_on(*own_edges_mm, domain.grid);
   const auto sizes = size_field(domain, settings, is_delaunay ? LabelSet{} : regions_with_shape(), own);
+  const auto sets = manifold_sets(has_torso(domain));
   auto cells = is_delaunay                      ? delaunay_cells(domain, sizes)
-               : settings.backend == "tetgen"   ? tetgen_cells(domain, sizes, manifold_sets(), crumb_cells, report)
-               : settings.backend == "distmesh" ? distmesh_cells(domain, sizes, manifold_sets(), crumb_cells, report)
-                                                : lattice_cells(domain, sizes, manifold_sets(), crumb_cells, report);
-  join_walls(cells);
+               : settings.backend == "tetgen"   ? tetgen_cells(domain, sizes, sets, crumb_cells, report)
+               : settings.backend == "distmesh" ? distmesh_cells(domain, sizes, sets, crumb_cells, report)
+                                                : lattice_cells(domain, sizes, sets, crumb_cells, report, ends);
+  join_walls(cells, has_torso(domain));
   sort_cells(cells.nodes_mm, cells.cells, cells.label);
+  const bool keeps_stubs = has_torso(domain);
   auto mesh = assemble(
-      cells, [](std::int32_t label) { return label > 0 && label < beyond_border; }, surface_of);
+      cells,
+      [=](std::int32_t label) { return label > 0 && label < beyond_border && (keeps_stubs || label != stub_label); },
+      surface_of);
+  settle_ends(mesh, ends);
   label_border_faces(mesh, domain.grid);
-  add_orifice_rims(mesh);
+  add_rims(mesh);
   return mesh;
 }
 
@@ -264,6 +332,7 @@ std::map<std::string, TetMesh> mesh_heart(const LabelVolume& labels, const MeshS
   for (const auto& [name, accept] : {std::pair{"myocardium", &is_myocardium}, std::pair{"chambers", &is_blood}}) {
     if (!wanted(name)) continue;
     auto& part = meshes[name] = extract_regions(whole, regions_where(accept));
+    if (accept == &is_myocardium) add_cavities(whole, part);
     if (wanted("torso")) continue;
     part.parent_node.clear();
     part.parent_cell.clear();

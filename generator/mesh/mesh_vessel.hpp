@@ -23,6 +23,10 @@ struct VesselEnd {
 /// inside the lumen; the axis there comes from the centroids of geodesic shells.
 std::vector<VesselEnd> find_vessel_ends(const Mask& lumen);
 
+/// The same of the branches that lead away from the voxels of `start`, which has no end there; with planes as far out
+/// as the section is whole, which in a vessel that is cut flat is at the cut.
+std::vector<VesselEnd> find_vessel_ends(const Mask& lumen, const Mask& start);
+
 /// `vessel` is Region::trachea (edge settings.trachea_edge_mm) or Region::carotid (settings.carotid_edge_mm). Faces:
 /// trachea_wall, trachea_end_1.. (numbered from cranial to caudal), each end's rim a node set; likewise the carotid.
 /// Throws UserError for an empty mask and for one without two ends.

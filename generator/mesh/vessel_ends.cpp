@@ -9,6 +9,7 @@
 #include <queue>
 #include <utility>
 
+#include "generator/image/sections.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
 #include "model/quantile.hpp"
 
@@ -62,12 +63,14 @@ void for_neighbours(const Lumen& lumen, std::int32_t voxel, const auto& visit) {
 
 constexpr double unreached = std::numeric_limits<double>::max();
 
-std::vector<double> geodesic_distance(const Lumen& lumen, std::int32_t source) {
+std::vector<double> geodesic_distance(const Lumen& lumen, const std::vector<std::int32_t>& sources) {
   std::vector<double> distance(lumen.voxels.size(), unreached);
   using Item = std::pair<double, std::int32_t>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
-  distance[static_cast<std::size_t>(source)] = 0;
-  queue.push({0, source});
+  for (const auto source : sources) {
+    distance[static_cast<std::size_t>(source)] = 0;
+    queue.push({0, source});
+  }
   while (!queue.empty()) {
     const auto [d, voxel] = queue.top();
     queue.pop();
@@ -231,11 +234,11 @@ Tips tips_from(const Lumen& lumen, const std::vector<double>& distance, double t
 }
 
 std::vector<VesselEnd> ends_of_component(const Lumen& lumen, std::int32_t seed, double thickness) {
-  const auto root = farthest(geodesic_distance(lumen, seed));
-  const auto distance = geodesic_distance(lumen, root);
+  const auto root = farthest(geodesic_distance(lumen, {seed}));
+  const auto distance = geodesic_distance(lumen, {root});
   auto ends = tips_from(lumen, distance, thickness).ends;
   // Seen from the farthest tip, the root is a leaf as well: the one nearest to it.
-  const auto back = tips_from(lumen, geodesic_distance(lumen, farthest(distance)), thickness);
+  const auto back = tips_from(lumen, geodesic_distance(lumen, {farthest(distance)}), thickness);
   std::size_t best = back.voxels.size();
   const auto gap = [&](std::size_t tip) { return distance[static_cast<std::size_t>(back.voxels[tip])]; };
   for (std::size_t tip = 0; tip < back.voxels.size(); ++tip)
@@ -244,12 +247,55 @@ std::vector<VesselEnd> ends_of_component(const Lumen& lumen, std::int32_t seed, 
   return ends;
 }
 
+double shell_thickness(const Grid& grid) {
+  return 1.5 * std::max({grid.spacing_mm.x, grid.spacing_mm.y, grid.spacing_mm.z});
+}
+
+/// The plane moved along its axis to where the section is nearly whole for the last time.
+VesselEnd moved_to_last_section(const Volume<float>& lumen, VesselEnd end) {
+  constexpr double step_mm = 0.25, whole = 0.9, inwards_radii = 1, outwards_radii = 2;
+  const auto section = [&](double along_mm) {
+    return image::section_at(lumen, end.center_mm + along_mm * end.normal, end.normal, 1.5 * step_mm + 1);
+  };
+  const double radius = end.reach_mm / 1.5;
+  std::vector<double> own;
+  for (double along = -inwards_radii * radius; along <= 0; along += 4 * step_mm)
+    if (const auto found = section(along)) own.push_back(found->area_mm2);
+  if (own.empty()) return end;
+  const double usual = upper_median(own);
+  double last = 0;
+  Vec3 center = end.center_mm;
+  for (double along = 0; along <= outwards_radii * radius; along += step_mm) {
+    const auto found = section(along);
+    if (!found || found->area_mm2 < whole * usual) break;
+    last = along;
+    center = found->centre_mm;
+  }
+  end.reach_mm += last;
+  end.center_mm = center;
+  return end;
+}
+
 }  // namespace
+
+std::vector<VesselEnd> find_vessel_ends(const Mask& mask, const Mask& start) {
+  const auto lumen = make_lumen(mask);
+  std::vector<std::int32_t> sources;
+  for (std::size_t v = 0; v < lumen.voxels.size(); ++v) {
+    const auto& p = lumen.voxels[v];
+    if (start(p[0], p[1], p[2]) != 0) sources.push_back(static_cast<std::int32_t>(v));
+  }
+  if (sources.empty()) return {};
+  auto ends = tips_from(lumen, geodesic_distance(lumen, sources), shell_thickness(mask.grid)).ends;
+  Volume<float> sampled(mask.grid);
+  std::copy(mask.voxels.begin(), mask.voxels.end(), sampled.voxels.begin());
+  for (auto& end : ends) end = moved_to_last_section(sampled, end);
+  return ends;
+}
 
 std::vector<VesselEnd> find_vessel_ends(const Mask& mask) {
   const auto lumen = make_lumen(mask);
-  const auto& s = mask.grid.spacing_mm;
-  const double thickness = 1.5 * std::max({s.x, s.y, s.z});
+  const double thickness = shell_thickness(mask.grid);
   struct Component {
     std::int64_t size;
     std::int32_t seed;

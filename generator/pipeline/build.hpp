@@ -15,6 +15,7 @@
 #include "generator/labels/given_labels.hpp"
 #include "generator/labels/place_heart.hpp"
 #include "generator/landmarks/landmarks.hpp"
+#include "generator/painting/region_masks.hpp"
 #include "generator/pde/hierarchy.hpp"
 #include "generator/pipeline/resolutions.hpp"
 #include "generator/pipeline/run.hpp"
@@ -104,6 +105,7 @@ struct Build {
   Staged<LabelVolume> chambers{}, walls{}, body{};
   Staged<LabelVolume> heart{};  ///< all of them as one map
   Person other{};
+  std::vector<painting::RegionMask> regions{};  ///< the user's, on the heart's walls
   Staged<TorsoAround> around{};
   Staged<Meshes> meshes{};
   Staged<fibers::FiberResult> fibers{};

@@ -3,15 +3,20 @@
 
 #include <fmt/format.h>
 
+#include "generator/mesh/insulation.hpp"
 #include "generator/pipeline/mesh_certificate.hpp"
 #include "generator/pipeline/mesh_stages.hpp"
 #include "generator/pipeline/torso_stage.hpp"
+#include "generator/pipeline/user_regions.hpp"
 #include "generator/pipeline/versions.hpp"
 #include "model/parent_fibers.hpp"
 #include "validation/anatomy_checks.hpp"
+#include "validation/cavity_checks.hpp"
 #include "validation/contour_fit.hpp"
 #include "validation/fiber_checks.hpp"
+#include "validation/insulation_checks.hpp"
 #include "validation/label_checks.hpp"
+#include "validation/region_checks.hpp"
 #include "validation/report/report_html.hpp"
 #include "validation/uses.hpp"
 
@@ -19,6 +24,33 @@ namespace heartgen::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+
+void append(Report& rows, const Report& more) { rows.insert(rows.end(), more.begin(), more.end()); }
+
+bool has_both_walls(const std::string& mesh_name) {
+  return mesh_name == "torso" || mesh_name.starts_with("myocardium");
+}
+
+/// Walls whose nodes are split have a torso whose nodes are not: blood and lungs go on past both.
+void insulate(Meshes& meshes, mesh::Insulation how) {
+  for (auto& [name, mesh] : meshes) {
+    if (!has_both_walls(name) || how == mesh::Insulation::none) continue;
+    if (how == mesh::Insulation::split && name != "torso")
+      mesh::split_nodes(mesh);
+    else
+      mesh::add_annuli(mesh);
+  }
+}
+
+void take_out_insulation(Meshes& meshes, mesh::Insulation how) {
+  for (auto& [name, mesh] : meshes) {
+    if (!has_both_walls(name) || how == mesh::Insulation::none) continue;
+    if (how == mesh::Insulation::split && name != "torso")
+      mesh::merge_split_nodes(mesh);
+    else
+      mesh::take_out_annuli(mesh);
+  }
+}
 
 Notes all_notes(const Build& b) {
   const Recipe& recipe = b.recipe;
@@ -77,11 +109,13 @@ Report all_metrics(const Build& b, const Meshes& meshes, const validation::Faces
   parts.push_back({[&] { return validation::check_fibers(meshes.at("myocardium"), figures, bounds); }});
   parts.push_back({[&] { return check_resolution_fibers(meshes, recipe.mesh, bounds); }});
   parts.push_back({[&] { return validation::check_orifices(meshes, labels); }});
+  parts.push_back({[&] { return validation::check_cavities(meshes); }});
+  parts.push_back({[&] { return validation::check_user_regions(meshes); }});
   if (!ct.voxels.empty()) parts.push_back({[&] { return validation::check_contour_fit(meshes.at("myocardium"), ct); }});
   Report rows = joined(parts);
   const Report distances = resolution_distances(*b.further), pose = b.has_torso() ? torso_rows(*b.around) : Report{};
-  rows.insert(rows.end(), distances.begin(), distances.end());
-  rows.insert(rows.end(), pose.begin(), pose.end());
+  append(rows, distances);
+  append(rows, pose);
   return rows;
 }
 
@@ -138,8 +172,12 @@ exporters::Bundle describe_bundle(const Build& b) {
 
 exporters::Bundle make_bundle(const Build& b, PartClock& clock) {
   auto bundle = describe_bundle(b);
+  const Report painted = paint_meshes(bundle.meshes, b.regions, b.recipe);
   const auto faces = validation::faces_of_meshes(bundle.meshes);
   Report rows = all_metrics(b, bundle.meshes, faces);
+  append(rows, painted);
+  insulate(bundle.meshes, mesh::insulation_named(b.recipe.mesh.insulation));
+  append(rows, validation::check_insulation(bundle.meshes, b.recipe.mesh.insulation != "none"));
   Notes notes = all_notes(b);
   if (auto text = validation::remark_on_jumps(rows); !text.empty())
     notes.push_back({"fibers.too_coarse", WarningLevel::warning, std::move(text)});
@@ -183,18 +221,24 @@ std::vector<std::string> names_of(const Meshes& meshes) {
   return names;
 }
 
-Report certificate(const Meshes& meshes, const LabelVolume& labels, const MeshSettings& mesh_settings,
+Report certificate(Meshes meshes, const LabelVolume& labels, const MeshSettings& mesh_settings,
                    const ValidationSettings& settings) {
+  const Report insulation = validation::check_insulation(meshes, mesh_settings.insulation != "none");
+  take_out_insulation(meshes, mesh::insulation_named(mesh_settings.insulation));
   const auto faces = validation::faces_of_meshes(meshes);
   ReportParts parts = mesh_certificate(meshes, faces, labels, mesh_settings, settings);
   if (meshes.contains("myocardium"))
     parts.push_back({[&] { return validation::check_fibers(meshes.at("myocardium"), {}, settings); }});
   parts.push_back({[&] { return check_resolution_fibers(meshes, mesh_settings, settings); }});
+  parts.push_back({[&] { return validation::check_cavities(meshes); }});
+  parts.push_back({[&] { return validation::check_user_regions(meshes); }});
   if (!labels.voxels.empty()) {
     parts.push_back({[&] { return validation::check_labels(labels, needed_regions()); }});
     parts.push_back({[&] { return validation::check_orifices(meshes, labels); }});
   }
-  return joined(parts);
+  Report rows = joined(parts);
+  append(rows, insulation);
+  return rows;
 }
 
 }  // namespace heartgen::pipeline

@@ -22,8 +22,8 @@ std::vector<Region> needed_regions();
 std::vector<std::string> names_of(const std::map<std::string, TetMesh>& meshes);
 
 /// The certificate of a bundle's meshes as `build` and `validate` make it: mesh and fibre checks, and the meshes
-/// against their label map.
-Report certificate(const std::map<std::string, TetMesh>& meshes, const LabelVolume& labels,
-                   const MeshSettings& mesh_settings, const ValidationSettings& settings);
+/// against their label map. Rows of walls hold their annuli: what insulates is judged by rows of its own.
+Report certificate(std::map<std::string, TetMesh> meshes, const LabelVolume& labels, const MeshSettings& mesh_settings,
+                   const ValidationSettings& settings);
 
 }  // namespace heartgen::pipeline

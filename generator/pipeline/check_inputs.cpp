@@ -19,6 +19,7 @@
 #include "generator/labels/names_file.hpp"
 #include "generator/labels/presets.hpp"
 #include "generator/mesh/mesh_heart.hpp"
+#include "generator/painting/region_masks.hpp"
 #include "generator/pde/diffusion.hpp"
 #include "generator/pde/hierarchy.hpp"
 #include "generator/pipeline/image_stages.hpp"
@@ -117,6 +118,7 @@ void check_late_files(const Recipe& recipe) {
   if (!recipe.input.atlas.empty()) atlas::read_fiber_atlas(recipe.input.atlas, recipe.input.atlas_array);
   if (!recipe.input.size_field.empty()) adapters::read_image(recipe.input.size_field);
   if (!recipe.input.label_names.empty()) labels::read_label_names(recipe.input.label_names);
+  painting::read_regions(recipe.regions);
   if (!recipe.torso.landmarks.empty()) read_landmarks(recipe.torso.landmarks);
   if (!recipe.torso.labels.empty()) read_region_labels(recipe.torso.labels);
 }

@@ -12,6 +12,7 @@
 #include "generator/pipeline/mesh_stages.hpp"
 #include "generator/pipeline/print_certificate.hpp"
 #include "generator/pipeline/torso_stage.hpp"
+#include "generator/pipeline/user_regions.hpp"
 #include "model/error.hpp"
 #include "model/memory.hpp"
 #include "model/own_file.hpp"
@@ -32,6 +33,7 @@ void hash_inputs(Build& b) {
   TorsoSettings::describe_files(
       [&](const char* key, const std::string& path, const char*) { add(std::string("torso.") + key, path); },
       b.recipe.torso);
+  for (const auto& region : b.recipe.regions) add("regions", region.file);
 }
 
 /// What the image stages depend on, for recognising their files.
@@ -106,6 +108,8 @@ void refuse_no_heart(Build& b) {
   check_memory(*b.heart, b.recipe.mesh, memory_bytes());
   if (takes_chambers_from_ct(b)) refuse_cut_ventricles(*b.heart, b.padding);
   refuse_mirrored_heart(*b.heart, b.recipe.landmarks);
+  b.regions = regions_on_walls(b.recipe, *b.heart);
+  b.recipe.regions = painting::with_names(b.recipe.regions, b.regions);
   b.new_cache.keep();
 }
 

@@ -18,8 +18,8 @@ using exporters::read_certificate;
 using exporters::read_labels;
 using exporters::read_manifest;
 using exporters::read_mesh;
-using exporters::unpack_bundle;
 using exporters::sha256_of_file;
+using exporters::unpack_bundle;
 using exporters::verify_bundle;
 
 /// All meshes by name.

@@ -155,6 +155,23 @@ TEST(Clients, SolversThatAreNotPackagedWouldReadThemAndRefuseSpoiledOnes) {
   testing::expect_script_succeeds("reader_rules.py", {folder / "exports"});
 }
 
+/// A block of right atrium beside a block of ventricle, with and without a layer of annulus between.
+TEST(Clients, AWaveOfTheAtriumStopsAtTheAnnulusInFreeFem) {
+  TetMesh mesh = two_region_mesh(4, Region::ra_wall);
+  const auto folder = scratch_folder("pacing");
+  export_mesh("medit", mesh, "joined", folder / "joined" / "medit");
+  testing::expect_script_succeeds("pacing.py", {folder / "joined", "passes"});
+  std::set<std::int32_t> ventricle;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (mesh.region[c] == tag(Region::lv_myocardium)) ventricle.insert(mesh.cells[c].begin(), mesh.cells[c].end());
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (mesh.region[c] == tag(Region::ra_wall) &&
+        std::any_of(mesh.cells[c].begin(), mesh.cells[c].end(), [&](auto n) { return ventricle.contains(n); }))
+      mesh.region[c] = tag(Region::ra_annulus);
+  export_mesh("medit", mesh, "parted", folder / "parted" / "medit");
+  testing::expect_script_succeeds("pacing.py", {folder / "parted", "stops"});
+}
+
 TEST(Export, NamesOfAFileDoNotLeaveTheFolder) {
   const auto folder = testing::scratch_folder("export_names");
   TetMesh mesh = testing::two_region_mesh(2);

@@ -14,6 +14,7 @@
 #include "generator/atlas/exnode_text.hpp"
 #include "generator/labels/names_file.hpp"
 #include "generator/mesh_files/any_mesh.hpp"
+#include "generator/painting/region_masks.hpp"
 #include "model/error.hpp"
 #include "model/landmarks.hpp"
 #include "model/memory.hpp"
@@ -67,6 +68,11 @@ void read_faces(const fs::path& path) {
   TetMesh mesh;
   mesh.nodes_mm.resize(100);
   refusable([&] { adapters::read_surface(path, mesh); });
+  refusable([&] { adapters::read_cavities(path, mesh); });
+}
+
+void read_region(const fs::path& path) {
+  refusable([&] { painting::read_regions({{path.string(), {}}}); });
 }
 
 void read_text(const fs::path& path) {
@@ -113,7 +119,7 @@ struct Kind {
   const char* other_text = nullptr;
 };
 
-constexpr std::array<Kind, 22> table{{{"nii", "a.nii", &read_images},
+constexpr std::array<Kind, 24> table{{{"nii", "a.nii", &read_images},
                                       {"nii.gz", "a.nii.gz", &read_images},
                                       {"nrrd", "a.nrrd", &read_vectors},
                                       {"mha", "a.mha", &read_vectors},
@@ -121,6 +127,8 @@ constexpr std::array<Kind, 22> table{{{"nii", "a.nii", &read_images},
                                       {"vtk", "a.vtk", &read_mesh},
                                       {"vtu", "a.vtu", &read_ours},
                                       {"vtp", "a.vtp", &read_faces},
+                                      {"stl", "a.stl", &read_region},
+                                      {"surface", "a.vtk", &read_region},
                                       {"msh", "a.msh", &read_mesh},
                                       {"mesh", "a.mesh", &read_mesh},
                                       {"meshb", "a.meshb", &read_mesh},

@@ -33,13 +33,38 @@ TEST(Labels, NoSurfaceHasTheTagOfARegion) {
     EXPECT_TRUE(tags.insert(row.tag).second) << row.name;
   }
   for (int number = 1; number < 100; ++number)
-    for (const Region vessel : {Region::trachea, Region::carotid})
+    for (const Region vessel :
+         {Region::trachea, Region::carotid, Region::aorta, Region::pulmonary_artery, Region::la_blood})
       EXPECT_TRUE(tags.insert(end_surface_tag(vessel, number)).second) << number;
+  for (const auto tag : tags) EXPECT_FALSE(is_cap(tag)) << tag;
+  for (const auto& row : region_table()) EXPECT_LT(row.tag, first_user_region) << row.name;
+}
+
+TEST(Labels, CapsAreCalledAfterTheirOpenings) {
+  const auto mitral = *surface_from_name("mitral_orifice");
+  EXPECT_EQ(surface_name(cap_tag(mitral)), "mitral_orifice_cap");
+  EXPECT_EQ(surface_from_name("mitral_orifice_cap"), 2000 + mitral);
+  EXPECT_EQ(surface_from_name("pulmonary_vein_end_2_cap"), 2602);
+  EXPECT_FALSE(surface_from_name("mitral_cap"));
+}
+
+TEST(Labels, AnnuliAreWallsOfTheirAtriaThatNoLabelMapHolds) {
+  using enum Region;
+  for (const auto& [annulus, wall] : {std::pair{la_annulus, la_wall}, std::pair{ra_annulus, ra_wall}}) {
+    EXPECT_TRUE(is_myocardium(annulus) && is_annulus(annulus) && !is_label(annulus) && is_label(wall));
+    EXPECT_EQ(surface_name(surface_between(annulus, wall)), "annulus_border");
+    for (const Region other : {lv_myocardium, rv_blood, la_blood, torso, none, lung, aorta})
+      EXPECT_EQ(surface_between(annulus, other), surface_between(wall, other)) << tag(other);
+  }
+  EXPECT_EQ(surface_between(la_annulus, ra_annulus), surface_between(la_wall, ra_wall));
+  EXPECT_EQ(surface_between(la_annulus, ra_wall), surface_between(la_wall, ra_wall));
 }
 
 TEST(Labels, EndsAreNumbered) {
   EXPECT_EQ(surface_name(end_surface_tag(Region::trachea, 3)), "trachea_end_3");
   EXPECT_EQ(surface_from_name("carotid_end_12"), end_surface_tag(Region::carotid, 12));
+  EXPECT_EQ(surface_name(end_surface_tag(Region::aorta, 2)), "aorta_end_2");
+  EXPECT_NE(surface_from_name("aorta_end"), surface_from_name("aorta_end_1"));
   EXPECT_FALSE(surface_from_name("carotid_end_"));
   EXPECT_FALSE(surface_from_name("carotid_end_1x"));
 }

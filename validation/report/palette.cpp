@@ -9,7 +9,7 @@ namespace {
 constexpr Rgb unknown_color{150, 150, 150};
 
 // By region tag. Walls are warm, left blood red, right blood blue, everything around the heart is quiet.
-constexpr std::array<Rgb, 18> region_colors = {{
+constexpr std::array<Rgb, 20> region_colors = {{
     {0, 0, 0},        // none
     {226, 98, 76},    // lv_myocardium
     {240, 163, 78},   // rv_myocardium
@@ -28,6 +28,8 @@ constexpr std::array<Rgb, 18> region_colors = {{
     {126, 204, 126},  // trachea
     {178, 96, 216},   // carotid
     {196, 168, 150},  // torso
+    {232, 226, 206},  // la_annulus
+    {218, 214, 226},  // ra_annulus
 }};
 
 constexpr std::array<Rgb, 12> cycle = {{{226, 98, 76},

@@ -316,7 +316,10 @@ std::string group_title(const std::string& group) {
                                                      {"anatomy", "Anatomy"},
                                                      {"fibers", "Fibres"},
                                                      {"fit", "Fit of the contours to the image"},
-                                                     {"labels", "Label map"}};
+                                                     {"labels", "Label map"},
+                                                     {"cavities", "Cavities"},
+                                                     {"insulation", "Insulation of atria and ventricles"},
+                                                     {"regions", "Regions of the user's own"}};
   const auto at = titles.find(group);
   return at == titles.end() ? words(group) : at->second;
 }

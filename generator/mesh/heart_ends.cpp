@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "generator/mesh/heart_ends.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "model/crop.hpp"
+
+namespace heartgen::mesh {
+namespace {
+
+struct Artery {
+  Region region, ventricle;
+};
+constexpr std::array<Artery, 2> arteries{
+    {{Region::aorta, Region::lv_blood}, {Region::pulmonary_artery, Region::rv_blood}}};
+
+/// An artery on a grid around it, and its voxels beside its ventricle.
+struct ArteryMasks {
+  Mask lumen, start;
+};
+
+ArteryMasks masks_of(const LabelVolume& labels, const Artery& artery) {
+  const auto box = bounding_box(labels, 2, [&](std::uint8_t label) { return label == tag(artery.region); });
+  if (box.empty()) return {};
+  const auto part = crop(labels, box);
+  ArteryMasks masks{Mask(part.grid), Mask(part.grid)};
+  const auto& size = part.grid.size;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i) {
+        if (part(i, j, k) != tag(artery.region)) continue;
+        masks.lumen(i, j, k) = 1;
+        for (const auto& [di, dj, dk] :
+             std::array<Index3, 6>{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}})
+          if (part.grid.contains(i + di, j + dj, k + dk) && part(i + di, j + dj, k + dk) == tag(artery.ventricle))
+            masks.start(i, j, k) = 1;
+      }
+  return masks;
+}
+
+/// Whether the image ends within the plane's reach: the vessel goes on there.
+bool is_at_border(const Grid& grid, const VesselEnd& end) {
+  const Vec3 index = index_from_lps(grid, end.center_mm);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double last = static_cast<double>(grid.size[static_cast<std::size_t>(axis)] - 1);
+    if (std::min(index[axis], last - index[axis]) * grid.spacing_mm[axis] < end.reach_mm / 2) return true;
+  }
+  return false;
+}
+
+double beyond_mm(const VesselEnd& end, const Vec3& lps_mm) { return dot(lps_mm - end.center_mm, end.normal); }
+
+/// Within the ball around a plane's centre where it cuts.
+bool is_near(const VesselEnd& end, const Vec3& lps_mm, double stub_mm) {
+  return norm(lps_mm - end.center_mm) <= end.reach_mm + stub_mm;
+}
+
+struct Cut {
+  const MeshDomain* domain;
+  const std::vector<HeartEnd>* ends;
+  double stub_mm;
+  int surroundings;  ///< what a vessel is beyond its stub
+
+  Vec3 lps(const Vec3& p) const {
+    const Vec3& s = domain->grid.spacing_mm;
+    return lps_from_index(domain->grid, {p.x / s.x, p.y / s.y, p.z / s.z});
+  }
+  /// The end behind whose plane a point lies; nullptr: none.
+  const HeartEnd* end_before(const Vec3& lps_mm) const {
+    for (const auto& end : *ends)
+      if (beyond_mm(end.plane, lps_mm) > 0 && is_near(end.plane, lps_mm, stub_mm)) return &end;
+    return nullptr;
+  }
+  /// On the plane, below a point beyond it.
+  static Vec3 foot(const HeartEnd& end, const Vec3& lps_mm) {
+    return lps_mm - beyond_mm(end.plane, lps_mm) * end.plane.normal;
+  }
+  bool is_vessel(const HeartEnd& end, const Vec3& lps_mm) const {
+    return region_at(*domain, index_from_lps(domain->grid, lps_mm)) == tag(end.vessel);
+  }
+
+  int label_at(const Vec3& p, int label) const {
+    const Vec3 at = lps(p);
+    const auto* end = end_before(at);
+    if (end == nullptr) return label;
+    const bool has_room = label == tag(end->vessel) || (bulk_bits >> label & 1) != 0;  // other parts of the heart stay
+    if (has_room && beyond_mm(end->plane, at) < stub_mm && is_vessel(*end, foot(*end, at))) return stub_label;
+    return label == tag(end->vessel) ? surroundings : label;
+  }
+
+  const HeartEnd& end_of(const Vec3& lps_mm) const {
+    return *std::min_element(ends->begin(), ends->end(), [&](const HeartEnd& a, const HeartEnd& b) {
+      return norm(lps_mm - a.plane.center_mm) - a.plane.reach_mm < norm(lps_mm - b.plane.center_mm) - b.plane.reach_mm;
+    });
+  }
+
+  /// The stub's side or its far end, whichever is nearer.
+  tetmesh::Equation around_stub(const HeartEnd& end, const Vec3& lps_mm) const {
+    const Vec3 along = transposed(domain->grid.direction) * end.plane.normal;
+    std::array<SurfaceEquation, 1> wall;
+    mesh::equations_at(*domain, tetmesh::bit_of(tag(end.vessel)) | tetmesh::bit_of(0),
+                       index_from_lps(domain->grid, foot(end, lps_mm)), wall);
+    const Vec3 gradient = wall[0].gradient - dot(wall[0].gradient, along) * along;
+    const double to_end = beyond_mm(end.plane, lps_mm) - stub_mm;
+    const bool is_end = std::abs(to_end) < std::abs(wall[0].value) / std::max(norm(gradient), 1e-12);
+    return is_end ? tetmesh::Equation{to_end, along} : tetmesh::Equation{wall[0].value, gradient};
+  }
+
+  template <class Base>
+  int equations_at(tetmesh::LabelBits labels, const Vec3& p, std::span<tetmesh::Equation> equations,
+                   const Base& base) const {
+    const auto stub = tetmesh::bit_of(stub_label);
+    if ((labels & stub) == 0) return base(labels, p, equations);
+    const Vec3 at = lps(p);
+    const auto& end = end_of(at);
+    const auto vessel = tetmesh::bit_of(tag(end.vessel));
+    const auto rest = labels & ~stub;
+    if (equations.empty() || rest == 0) return 0;
+    if ((rest & (vessel | bulk_bits)) == 0) return base(rest | tetmesh::bit_of(surroundings), p, equations);
+    if ((labels & vessel) != 0)
+      equations[0] = {beyond_mm(end.plane, at), transposed(domain->grid.direction) * end.plane.normal};
+    else
+      equations[0] = around_stub(end, at);
+    return 1 + (std::popcount(rest) > 1 ? base(rest, p, equations.subspan(1)) : 0);
+  }
+};
+
+}  // namespace
+
+std::vector<HeartEnd> find_heart_ends(const LabelVolume& labels) {
+  std::vector<HeartEnd> all;
+  for (const auto& artery : arteries) {
+    const auto masks = masks_of(labels, artery);
+    if (masks.lumen.voxels.empty()) continue;
+    auto planes = find_vessel_ends(masks.lumen, masks.start);
+    std::erase_if(planes, [&](const VesselEnd& end) { return is_at_border(labels.grid, end); });
+    std::stable_sort(planes.begin(), planes.end(),
+                     [](const VesselEnd& a, const VesselEnd& b) { return a.center_mm.x > b.center_mm.x; });
+    const auto alone = *surface_from_name(region_name(tag(artery.region)) + "_end");
+    for (std::size_t e = 0; e < planes.size(); ++e)
+      all.push_back({artery.region,
+                     planes.size() == 1 ? alone : end_surface_tag(artery.region, static_cast<int>(e) + 1), planes[e]});
+  }
+  return all;
+}
+
+tetmesh::Materials with_ends(const MeshDomain& domain, tetmesh::Materials materials, const std::vector<HeartEnd>& ends,
+                             double stub_mm) {
+  if (ends.empty()) return materials;
+  const bool has_torso = domain.share_of[tag(Region::torso)] >= 0;
+  const Cut cut{&domain, &ends, stub_mm, has_torso ? tag(Region::torso) : 0};
+  materials.label_at = [cut, base = std::move(materials.label_at)](const Vec3& p) { return cut.label_at(p, base(p)); };
+  materials.equations_at = [cut, base = std::move(materials.equations_at)](tetmesh::LabelBits labels, const Vec3& p,
+                                                                           std::span<tetmesh::Equation> equations) {
+    return cut.equations_at(labels, p, equations, base);
+  };
+  return materials;
+}
+
+const HeartEnd* nearest_end(const std::vector<HeartEnd>& ends, Region vessel, const Vec3& lps_mm) {
+  const HeartEnd* nearest = nullptr;
+  double least = std::numeric_limits<double>::max();
+  for (const auto& end : ends) {
+    const double distance = norm(lps_mm - end.plane.center_mm);
+    if (end.vessel != vessel || distance >= least) continue;
+    least = distance;
+    nearest = &end;
+  }
+  return nearest;
+}
+
+}  // namespace heartgen::mesh

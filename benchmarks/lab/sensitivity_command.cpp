@@ -224,7 +224,7 @@ void print_numbers() {
   for (const Number* n : patient_numbers())
     fmt::print("| {} | {:g} | {} | {:g} to {:g} | {} | {} | {} |\n", n->name, n->value, n->unit, n->min, n->max,
                n->meaning, basis_name(n->basis),
-               n->basis == Basis::unrecorded && n->source == not_recorded ? "" : n->source);
+               n->basis == Basis::unrecorded && std::string_view(n->source) == not_recorded ? "" : n->source);
 }
 
 /// Every number of `numbers` that is read, up and down.

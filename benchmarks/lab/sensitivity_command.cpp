@@ -60,6 +60,9 @@ struct Row {
     for (std::size_t c = 0; c < columns.size(); ++c) most = std::max(most, columns[c].effect * std::abs(moves[c].by));
     return most;
   }
+  bool changes_anything() const {
+    return !refusal.empty() || std::any_of(moves.begin(), moves.end(), [](const Move& m) { return m.by != 0; });
+  }
 };
 
 /// The stages' results without a change, and what each stage reads.
@@ -175,12 +178,29 @@ void print_rows(const std::vector<Row>& rows) {
   for (std::size_t c = 0; c < columns.size(); ++c) fmt::print("---|");
   fmt::print("\n");
   for (const Row& row : rows) {
+    if (!row.changes_anything()) continue;
     fmt::print("| {} | {:g} | {:g} |", row.number->name, row.number->value, row.value);
     if (!row.refusal.empty()) fmt::print(" refused: {} |", row.refusal);
     for (std::size_t c = row.refusal.empty() ? 0 : 1; c < columns.size(); ++c)
       fmt::print(" {} |", text_of(row.moves[c], columns[c]));
     fmt::print("\n");
   }
+}
+
+/// Numbers of which neither change does anything.
+std::vector<std::string> without_change(const std::vector<Row>& rows) {
+  std::vector<std::string> names;
+  for (const Row& row : rows) {
+    const auto changes = [&](const Row& other) { return other.number == row.number && other.changes_anything(); };
+    if (std::none_of(rows.begin(), rows.end(), changes) &&
+        std::find(names.begin(), names.end(), row.number->name) == names.end())
+      names.emplace_back(row.number->name);
+  }
+  return names;
+}
+
+void print_names(const char* what, const std::vector<std::string>& names) {
+  if (!names.empty()) fmt::print("\n{}: {}.\n", what, fmt::join(names, ", "));
 }
 
 Json as_json(const std::vector<Row>& rows, const std::vector<std::string>& unread) {
@@ -204,7 +224,7 @@ void print_numbers() {
   for (const Number* n : patient_numbers())
     fmt::print("| {} | {:g} | {} | {:g} to {:g} | {} | {} | {} |\n", n->name, n->value, n->unit, n->min, n->max,
                n->meaning, basis_name(n->basis),
-               n->basis == Basis::unrecorded && n->source == not_recorded ? "" : n->source);
+               n->basis == Basis::unrecorded && std::string_view(n->source) == not_recorded ? "" : n->source);
 }
 
 /// Every number of `numbers` that is read, up and down.
@@ -252,7 +272,8 @@ int sensitivity_command(const SensitivityCommand& command) {
       unread.emplace_back(number->name);
   if (command.json) return fmt::print("{}\n", as_json(rows, unread).dump(1)), 0;
   print_rows(rows);
-  if (!unread.empty()) fmt::print("\nNo stage reads, on these phantoms: {}.\n", fmt::join(unread, ", "));
+  print_names("Moved, and nothing changes", without_change(rows));
+  print_names("No stage reads, on these phantoms", unread);
   return 0;
 }
 

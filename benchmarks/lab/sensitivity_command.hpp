@@ -23,8 +23,9 @@ struct SensitivityCommand {
 
 /// A row per number and change: the greatest change of Dice of chambers, walls, body and carotid, of the walls' mean
 /// surface distance, of a volume and of the fibres' mean angle to the known ones, over all phantoms; the numbers that
-/// change most first, those that no stage reads last. Progress goes to stderr. Throws UserError for an unknown number
-/// or stage and for a change outside of 0 to 100. Serial per rank (threads inside).
+/// change most first; then the names of those that change nothing, and of those that no stage reads. Progress goes to
+/// stderr. Throws UserError for an unknown number or stage and for a change outside of 0 to 100. Serial per rank
+/// (threads inside).
 int sensitivity_command(const SensitivityCommand& command);
 
 }  // namespace heartgen::lab

@@ -90,12 +90,17 @@ heartgen_room(pipeline FOLDER generator/pipeline
   SENTENCE "A whole build: stages, cache, checks of inputs, progress"
   DEPENDS model parallel adapters pde anatomy landmarks labels ventricles atlas fibers stuffing mesh validation report exporters phantom
   LIBRARIES heartgen_itk ${json} fmt::fmt)
+heartgen_room(library FOLDER generator/library
+  SENTENCE "The public face: the headers of include/heartgen and what they declare of their own"
+  DEPENDS model mesh_queries parallel adapters pde anatomy landmarks labels mesh_files atlas fibers tetmesh mesh validation exporters phantom pipeline
+  LIBRARIES heartgen_vtk fmt::fmt)
+target_include_directories(heartgen_library PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/include)
 heartgen_room(command_line FOLDER generator/command_line
   SENTENCE "What every program of ours does with its command line"
   DEPENDS model parallel phantom pipeline LIBRARIES CLI11::CLI11 fmt::fmt)
 heartgen_room(app FOLDER generator/app
   SENTENCE "The commands of heartgen"
-  DEPENDS model mesh_queries parallel adapters pde anatomy landmarks labels mesh_files fibers tetmesh mesh validation report exporters phantom pipeline command_line
+  DEPENDS model parallel adapters pde anatomy landmarks labels mesh_files fibers tetmesh mesh validation report exporters phantom pipeline library command_line
   LIBRARIES heartgen_itk heartgen_vtk CLI11::CLI11 ${json} fmt::fmt)
 heartgen_room(benchmarks FOLDER benchmarks
   SENTENCE "Speeds of the stages and comparisons with other programs"

@@ -6,7 +6,8 @@
 
 namespace heartgen {
 
-/// The file of the program, or of the shared library, that holds this function.
+/// The file of the shared library that holds this function; of a program /proc/self/exe, which can be read even where
+/// another file has taken its place.
 std::filesystem::path own_file();
 
 }  // namespace heartgen

@@ -125,7 +125,7 @@ LabelledCells seeded_cells(FillAnswer answer, const SurfaceComplex& surfaces) {
 }  // namespace
 
 fs::path find_tetgen() {
-  std::vector<fs::path> folders{own_file().parent_path()};
+  std::vector<fs::path> folders{fs::weakly_canonical(own_file()).parent_path()};
   const char* const path = std::getenv("PATH");
   for (std::string_view left = path != nullptr ? path : ""; !left.empty();) {
     const auto end = std::min(left.find(':'), left.size());

@@ -95,6 +95,16 @@ void add_bundle_commands(Program& p) {
   unpack->add_option("folder", p.bundle, "folder to make")->required();
   unpack->add_flag("--json", p.json, "print as JSON");
 
+  auto& c = p.get;
+  auto* get = add_command(p.line, "get", "Download a released bundle, check it and unpack it",
+                          "heartgen get https://example.org/heart-1.0.0.tar.zst heart\n"
+                          "  heartgen get heart-1.0.0.tar.zst heart",
+                          on_root(p.line, [&p] { return get_command(p.get); }));
+  get->add_option("source", c.source, "address, or file made by heartgen pack")->required();
+  get->add_option("folder", c.folder, "folder to make")->required();
+  get->add_option("--sha256", c.sha256, "checksum of the file (default: what SOURCE.sha256 says, where there is one)");
+  get->add_flag("--json", c.json, "print as JSON");
+
   auto* report =
       add_command(p.line, "report", "Write the HTML report of a bundle again", "heartgen report bundle report.html",
                   on_root(p.line, [&p] { return report_command(p.bundle, p.path, p.ct, p.json); }));

@@ -7,15 +7,15 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <heartgen/build.hpp>
+#include <heartgen/bundle.hpp>
+#include <heartgen/checks.hpp>
+#include <heartgen/meshes.hpp>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <tuple>
 
 #include "exporters/bundle.hpp"
 #include "exporters/certificate_json.hpp"
-#include "exporters/registry.hpp"
 #include "generator/adapters/itk_io.hpp"
-#include "generator/adapters/vtk_io.hpp"
 #include "generator/anatomy/hounsfield.hpp"
 #include "generator/anatomy/padding.hpp"
 #include "generator/app/own_mesh.hpp"
@@ -36,7 +36,6 @@
 #include "generator/pipeline/stage_files.hpp"
 #include "model/error.hpp"
 #include "model/memory.hpp"
-#include "model/mesh_queries/feature_curves.hpp"
 #include "model/recipe.hpp"
 #include "model/text.hpp"
 #include "validation/contour_fit.hpp"
@@ -52,13 +51,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int validation_failed = 3;
-
-std::map<std::string, TetMesh> read_meshes(const std::string& bundle) {
-  std::map<std::string, TetMesh> meshes;
-  for (const auto& [name, entry] : exporters::read_manifest(bundle).meshes)
-    meshes[name] = exporters::read_mesh(bundle, name);
-  return meshes;
-}
 
 /// The CT that a report's outlines are drawn over. Throws UserError where it is not of the heart in `labels`.
 CtVolume ct_of_labels(const std::string& path, const LabelVolume& labels) {
@@ -79,41 +71,11 @@ std::string remark_on_ct(const std::string& path, const exporters::Manifest& man
   return is_input ? "" : "Drawn over a CT that is not, byte for byte, one of the bundle's inputs.";
 }
 
-void check_mesh_output(const std::string& path) {
-  const auto extension = fs::path(path).extension();
-  if (extension != ".vtu" && extension != ".msh" && extension != ".vtk")
-    throw UserError("is of no known kind", path, "give a name that ends in .vtu, .msh (gmsh 4.1) or .vtk");
-  check_output(path);
-}
-
-/// The mesh, its labelled faces and its curves, in kinds of files that `improve` reads too. Returns them, the mesh
-/// first.
-std::vector<fs::path> write_mesh(const fs::path& path, const TetMesh& mesh) {
-  const std::string name = path.stem().string(), kind = path.extension().string();
-  const std::string format = kind == ".msh" ? "msh-ascii" : kind.substr(1);
-  auto files = exporters::export_mesh(format, mesh, name, path.has_parent_path() ? path.parent_path() : ".");
-  files.push_back(fs::path(path).replace_filename(name + "_curves.vtp"));
-  adapters::write_curves(files.back(), mesh, mesh_queries::feature_curves(mesh));
-  return files;
-}
-
 void append(Report& report, const Report& rows) { report.insert(report.end(), rows.begin(), rows.end()); }
 
 validation::ReferenceFibers read_reference_fibers(const std::string& folder) {
   const auto component = [&](const char* name) { return adapters::read_image((fs::path(folder) / name).string()); };
   return {component("fiber_x.nrrd"), component("fiber_y.nrrd"), component("fiber_z.nrrd")};
-}
-
-/// The rows of a bundle's metrics that are not measured again: they need the build's inputs, which `validate` does not
-/// have.
-Report kept_rows(const Report& before, const Report& again) {
-  const auto name = [](const ReportRow& row) { return std::tie(row.group, row.scope, row.metric); };
-  std::set<std::tuple<std::string, std::string, std::string>> measured;
-  for (const auto& row : again) measured.insert(name(row));
-  Report kept;
-  for (const auto& row : before)
-    if (!measured.contains(name(row))) kept.push_back(row);
-  return kept;
 }
 
 /// Without the rows that passed or inform.
@@ -136,17 +98,13 @@ void print_written(const char* what, const std::string& path, bool json) {
   fmt::print("{}\n", json ? Json::object({{what, path}}).dump(1) : path);
 }
 
-Recipe bundle_recipe(const std::string& bundle) { return read_recipe((fs::path(bundle) / "recipe.toml").string()); }
-
 }  // namespace
 
 int build_command(const BuildCommand& command, const parallel::Comm& comm) {
-  Recipe recipe;
   pipeline::BuildOptions options;
   if (command.output.empty()) throw UserError("no folder is named", "--output", "name the folder of the bundle");
   // Every rank reads the recipe, so that all fail or go on together.
-  recipe.segmentation = default_segmentation();
-  if (!command.recipe.empty()) recipe = read_recipe(command.recipe);
+  Recipe recipe = command.recipe.empty() ? default_recipe() : read_recipe(command.recipe);
   if (!command.ct.empty()) recipe.input.ct = command.ct;
   if (!command.labels.empty()) recipe.input.labels = command.labels;
   if (!command.preset.empty()) recipe.labels.preset = command.preset;
@@ -187,22 +145,8 @@ int validate_command(const ValidateCommand& command) {
   if (!command.reference_labels.empty()) known_labels = adapters::read_labels(command.reference_labels);
   std::optional<validation::ReferenceFibers> known_fibers;
   if (!command.reference_fibers.empty()) known_fibers = read_reference_fibers(command.reference_fibers);
-  const auto problems = exporters::verify_bundle(command.bundle);
-  if (!problems.empty())
-    throw UserError(fmt::format("{}: {}", problems.front().file, problems.front().what), command.bundle,
-                    "heartgen verify lists every damaged file");
-  const auto meshes = read_meshes(command.bundle);
-  const LabelVolume labels = exporters::read_labels(command.bundle);
-  const Recipe recipe = bundle_recipe(command.bundle);
-  const Report measured = pipeline::certificate(meshes, labels, recipe.mesh, bounds_of(recipe));
-  Certificate certificate = exporters::read_certificate(command.bundle);
-  Report report = kept_rows(certificate.rows, measured);
-  append(report, measured);
-  if (known_labels) append(report, validation::compare_labels(labels, *known_labels));
-  if (known_fibers && meshes.contains("myocardium"))
-    append(report, validation::compare_fibers(meshes.at("myocardium"), *known_fibers));
-  certificate = validation::certified(std::move(report), std::move(certificate.warnings), pipeline::names_of(meshes),
-                                      bounds_of(recipe));
+  const Certificate certificate = validate_bundle(
+      command.bundle, {known_labels ? &*known_labels : nullptr, known_fibers ? &*known_fibers : nullptr});
   if (command.json)
     fmt::print("{}\n", exporters::certificate_json(certificate));
   else
@@ -275,7 +219,7 @@ int report_command(const std::string& bundle, const std::string& html, const std
   exporters::refuse_inside(html, bundle);
   check_output(html);
   const auto manifest = exporters::read_manifest(bundle);
-  const auto meshes = read_meshes(bundle);
+  const auto meshes = bundle::read_meshes(bundle);
   const LabelVolume labels = exporters::read_labels(bundle);
   Certificate certificate = exporters::read_certificate(bundle);
   const CtVolume ct = ct_path.empty() ? CtVolume{} : ct_of_labels(ct_path, labels);
@@ -385,7 +329,7 @@ int mesh_command(const MeshCommand& command) {
   if (command.walls && settings.backend != MeshSettings{}.backend)
     throw UserError(fmt::format("--walls does not go with the back end \"{}\"", settings.backend), "--backend",
                     "leave one of them out");
-  check_mesh_output(command.output);
+  mesh_files::check_mesh_output(command.output);
   Recipe recipe;
   recipe.mesh = settings;
   const auto bounds = bounds_of(recipe);  // what the mesher promises

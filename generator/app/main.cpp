@@ -6,12 +6,9 @@
 int main(int argc, char** argv) {
   using namespace heartgen;
   std::optional<app::Program> program;
-  return command_line::run_program(argc, argv, "heartgen: simulation-ready heart models from CT",
-                                   [&](command_line::CommandLine& line) {
-                                     line.talkative = {"build"};
-                                     program.emplace(app::Program{line});
-                                     app::add_bundle_options(*program);
-                                     app::add_tool_options(*program);
-                                     app::group_by_road(*program);
-                                   });
+  return command_line::run_program(argc, argv, app::description, [&](command_line::CommandLine& line) {
+    line.talkative = {"build"};
+    program.emplace(app::Program{line});
+    app::add_commands(*program);
+  });
 }

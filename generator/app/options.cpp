@@ -14,10 +14,16 @@ std::string preset_names() {
   return names;
 }
 
+void add_commands(Program& p) {
+  add_bundle_options(p);
+  add_tool_options(p);
+  group_by_road(p);
+}
+
 void group_by_road(Program& p) {
   const std::pair<const char*, std::vector<const char*>> roads[]{
       {"You have a scan, or labels of it", {"build", "landmarks", "place"}},
-      {"You have a bundle", {"info", "verify", "validate", "report", "export", "transfer", "pack", "unpack"}},
+      {"You have a bundle", {"get", "info", "verify", "validate", "report", "export", "transfer", "pack", "unpack"}},
       {"You have a label map or a mesh", {"mesh", "improve", "slice"}},
       {"You have an image", {"filter", "contours", "segment", "inpaint"}},
       {"You have nothing yet", {"phantom", "selftest"}}};

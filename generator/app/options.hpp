@@ -6,6 +6,7 @@
 
 #include "generator/app/commands.hpp"
 #include "generator/app/contours_command.hpp"
+#include "generator/app/get_command.hpp"
 #include "generator/app/improve_command.hpp"
 #include "generator/app/inpaint_command.hpp"
 #include "generator/app/place_command.hpp"
@@ -30,6 +31,7 @@ struct Program {
   InpaintCommand inpaint{};
   TransferCommand transfer{};
   PlaceCommand place{};
+  GetCommand get{};
   SliceCommand slice{};
   PhantomCommand phantom{};
   SelftestCommand selftest{};
@@ -45,6 +47,10 @@ std::string preset_names();
 constexpr const char* mesh_kinds =
     ".vtu, .vtk, .msh, openCARP's .pts or .bpts, TetGen's or Chaste's .node, Medit's .mesh";
 
+/// Name of the program, and what it is.
+constexpr const char* description = "heartgen: simulation-ready heart models from CT";
+
+void add_commands(Program& p);        ///< all of these:
 void add_bundle_options(Program& p);  ///< what makes, checks and hands on bundles
 void add_tool_options(Program& p);    ///< single steps on images, label maps and meshes
 void group_by_road(Program& p);       ///< the order of --help: what a user has, and then does with it

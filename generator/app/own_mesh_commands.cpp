@@ -3,18 +3,17 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <map>
+#include <heartgen/checks.hpp>
+#include <heartgen/meshes.hpp>
 #include <nlohmann/json.hpp>
 
 #include "exporters/certificate_json.hpp"
 #include "exporters/cut.hpp"
 #include "exporters/registry.hpp"
 #include "generator/app/own_mesh.hpp"
+#include "generator/mesh_files/any_mesh.hpp"
 #include "generator/pipeline/print_certificate.hpp"
 #include "model/error.hpp"
-#include "model/labels.hpp"
-#include "model/recipe.hpp"
-#include "validation/mesh_checks.hpp"
 
 namespace heartgen::app {
 namespace {
@@ -24,42 +23,15 @@ using Json = nlohmann::ordered_json;
 
 constexpr int validation_failed = 3;
 
-/// Angles with which solvers still get on; our own meshers promise more.
-ValidationSettings bounds_of_any_mesh() {
-  Recipe recipe;
-  recipe.validation.minimum_dihedral_deg = 5;
-  recipe.validation.maximum_dihedral_deg = 175;
-  return bounds_of(recipe);
-}
-
-/// What the certificate calls a tag, and what the file does.
-std::map<std::string, std::string> names_in_certificate(const TetMesh& mesh) {
-  std::map<std::string, std::string> names;
-  for (const auto& [of, name] : mesh.names)
-    names[of.first == 3 ? region_name(of.second) : surface_name(of.second)] = name;
-  return names;
-}
-
-/// The certificate's rows of the mesh alone, its regions and surfaces called by their own names.
-Report own_certificate(const OwnMesh& own) {
-  Report report = validation::check_mesh(own.name, own.mesh, bounds_of_any_mesh());
-  const auto names = names_in_certificate(own.mesh);
-  for (auto& row : report) {
-    const auto slash = row.scope.find('/');
-    if (slash == std::string::npos) continue;
-    const auto found = names.find(row.scope.substr(slash + 1));
-    if (found != names.end()) row.scope = row.scope.substr(0, slash + 1) + found->second;
-  }
-  return report;
-}
-
 }  // namespace
+
+bool is_own_mesh(const std::string& path) { return mesh_files::is_mesh_name(path) && !fs::is_directory(path); }
 
 int validate_own_mesh(const ValidateCommand& command) {
   if (!command.reference_labels.empty() || !command.reference_fibers.empty())
     throw UserError("is compared with bundles only", "--reference-labels, --reference-fibers", "give a bundle");
-  const auto own = read_own_mesh(command.bundle, command.region, command.input_unit);
-  const Report report = own_certificate(own);
+  const auto own = read_mesh(command.bundle, command.region, command.input_unit);
+  const Report report = check_mesh(own);
   if (command.json) {
     fmt::print("{}\n", exporters::certificate_json({report, {}, {}}));
   } else {
@@ -76,7 +48,7 @@ int export_own_mesh(const ExportCommand& command) {
   if (!command.only.empty())
     throw UserError("cuts regions out of a bundle's mesh", "--only",
                     "leave it out: a mesh of your own is exported whole");
-  auto own = read_own_mesh(command.bundle, command.region, command.input_unit);
+  auto own = read_mesh(command.bundle, command.region, command.input_unit);
   if (command.no_interfaces) own.mesh = exporters::without_interfaces(std::move(own.mesh));
   Json files = Json::array();
   for (const auto& format : command.formats)

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <heartgen/phantom.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,7 +16,6 @@
 #include "exporters/bundle.hpp"
 #include "exporters/files.hpp"
 #include "generator/app/commands.hpp"
-#include "generator/app/phantom_files.hpp"
 #include "generator/pipeline/pipeline.hpp"
 #include "model/error.hpp"
 #include "model/recipe.hpp"

@@ -24,6 +24,7 @@
 #include "generator/pipeline/versions.hpp"
 #include "model/error.hpp"
 #include "model/memory.hpp"
+#include "model/own_file.hpp"
 #include "model/parent_fibers.hpp"
 #include "validation/anatomy_checks.hpp"
 #include "validation/contour_fit.hpp"
@@ -75,9 +76,8 @@ Meshes make_meshes(const Recipe& recipe, const LabelVolume& labels, const FieldO
 }
 
 FiberAtlas read_atlas(const Recipe& recipe) {
-  if (!recipe.input.atlas.empty()) return atlas::read_fiber_atlas(recipe.input.atlas, recipe.input.atlas_array);
-  const TetMesh standin = phantom::make_standin_atlas();
-  return atlas::make_fiber_atlas("stand-in atlas", standin.nodes_mm, standin.cells, standin.node_fibers.fiber);
+  if (recipe.input.atlas.empty()) return standin_atlas();
+  return atlas::read_fiber_atlas(recipe.input.atlas, recipe.input.atlas_array);
 }
 
 TetMesh with_fibers(TetMesh myocardium, const fibers::FiberResult& result) {
@@ -343,6 +343,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   run.comm = comm;
   run.cache_folder = options.cache_folder;
   run.progress = make_progress(stage_plan(recipe, {true, false, true, true}), options.progress && comm.is_root());
+  if (comm.is_root()) run.progress.on_stage = options.on_stage;
   run.files = stage_files(recipe, options);
   const auto existing = options.replace ? exporters::Existing::replace : exporters::Existing::refuse;
   exporters::ReservedPlace place;
@@ -350,10 +351,10 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   parallel::run_on_root(comm, [&] {
     check_inputs(recipe);
     place = exporters::reserve_place(options.output, existing);
-    if (!place.remark.empty()) fmt::print(stderr, "heartgen: {}\n", place.remark);
+    if (!place.remark.empty() && options.tells_warnings) fmt::print(stderr, "heartgen: {}\n", place.remark);
     clear_unfinished_entries(options.cache_folder);
     inputs = hash_inputs(recipe);
-    run.program_hash = exporters::sha256_of_file("/proc/self/exe");
+    run.program_hash = exporters::sha256_of_file(own_file());
     run.files.origin = origin_of(recipe, run, inputs);
   });
 
@@ -385,7 +386,7 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
     refuse_mirrored_heart(*heart, recipe.landmarks);
     const auto told = label_warnings(known.given->labels, *heart, !recipe.input.ct.empty());
     warnings.insert(warnings.end(), told.begin(), told.end());
-    print_warnings(warnings);  // not before: a refusal is one message
+    if (options.tells_warnings) print_warnings(warnings);  // not before: a refusal is one message
     settle_replacements(run, recipe.replace, inputs, warnings);
   });
   cache.keep();  // from here on nothing is refused, and what fails for want of room goes on where it stopped
@@ -433,6 +434,11 @@ BuildResult build(const Recipe& given, const BuildOptions& options, const parall
   result.content_id = *content_id;
   result.log = time_log(run) + fibers_from;
   return result;
+}
+
+FiberAtlas standin_atlas() {
+  const TetMesh standin = phantom::make_standin_atlas();
+  return atlas::make_fiber_atlas("stand-in atlas", standin.nodes_mm, standin.cells, standin.node_fibers.fiber);
 }
 
 std::vector<std::string> names_of(const Meshes& meshes) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "generator/pipeline/output.hpp"
@@ -58,6 +59,11 @@ std::shared_ptr<Heartbeat> lines_of_life(const Progress& progress, const std::st
   });
 }
 
+void tell(const Progress& progress, const std::string& name, std::size_t number, bool has_ended) {
+  if (progress.on_stage)
+    progress.on_stage({name, number, std::max(number, progress.plan.size()), done_share(progress), has_ended});
+}
+
 }  // namespace
 
 Progress make_progress(std::vector<StagePlan> plan, bool enabled) {
@@ -69,6 +75,7 @@ Progress make_progress(std::vector<StagePlan> plan, bool enabled) {
 }
 
 void stage_begins(Progress& progress, const std::string& name) {
+  tell(progress, name, progress.next + 1, false);
   if (progress.enabled)
     progress.watch = progress.terminal ? bar_that_moves(progress, name) : lines_of_life(progress, name);
 }
@@ -76,6 +83,7 @@ void stage_begins(Progress& progress, const std::string& name) {
 void stage_ends(Progress& progress, const std::string& name, const std::string& note) {
   ++progress.next;
   progress.watch.reset();
+  tell(progress, name, progress.next, true);
   if (!progress.enabled) return;
   fmt::print(stderr, "[{:2}/{}] {:<12} {}\n", progress.next, progress.plan.size(), name, note);
   std::fflush(stderr);

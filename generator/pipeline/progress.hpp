@@ -4,11 +4,13 @@
 /// a stage ends, and more of stages that take long.
 #pragma once
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "generator/pipeline/heartbeat.hpp"
+#include "generator/pipeline/stage_event.hpp"
 
 namespace heartgen::pipeline {
 
@@ -19,6 +21,7 @@ struct StagePlan {
 
 struct Progress {
   std::vector<StagePlan> plan{};
+  std::function<void(const StageEvent&)> on_stage{};
   bool enabled = false;   ///< only rank 0 prints
   bool terminal = false;  ///< redraw one line instead of printing lines
   std::size_t next = 0;   ///< stages finished

@@ -126,6 +126,31 @@ TEST_F(EndToEnd, EveryResultIsReadableByMachines) {
   EXPECT_EQ(improved["before"]["cells"], info["meshes"]["trachea"]["cells"]);
 }
 
+TEST_F(EndToEnd, GetComparesWithThePublishedChecksum) {
+  const auto get = [](const std::string& arguments) { return testing::heartgen("get " + arguments, folder()); };
+  ASSERT_EQ(testing::heartgen("pack bundle published.tar.zst", folder()).exit_code, 0);
+  const auto unpublished = get("published.tar.zst got0");
+  EXPECT_EQ(unpublished.exit_code, 0) << unpublished.errors;
+  EXPECT_NE(unpublished.output.find("no checksum"), std::string::npos) << unpublished.output;
+  ASSERT_EQ(std::system(("cd " + folder() + " && sha256sum published.tar.zst > published.tar.zst.sha256").c_str()), 0);
+  for (const std::string source : {"published.tar.zst", "file://" + folder() + "/published.tar.zst"}) {
+    const std::string name = "got_" + std::to_string(source.size());
+    const auto got = get(source + " " + name);
+    EXPECT_EQ(got.exit_code, 0) << got.errors;
+    EXPECT_NE(got.output.find("is the published one"), std::string::npos) << got.output;
+    EXPECT_EQ(testing::heartgen("verify " + name, folder()).exit_code, 0);
+    EXPECT_EQ(get(source + " " + name).exit_code, 2) << "the folder exists";
+    const auto other = get(source + " other --sha256 " + std::string(64, 'a'));
+    EXPECT_EQ(other.exit_code, 2);
+    EXPECT_NE(other.errors.find("its SHA-256 is"), std::string::npos) << other.errors;
+    EXPECT_EQ(get(source + " other --sha256 12").exit_code, 2) << "that is no checksum";
+  }
+  EXPECT_EQ(get("file://" + folder() + "/none.tar.zst other").exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder() + "/other"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder()))
+    EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path() << " was left";
+}
+
 TEST_F(EndToEnd, AReportIsDrawnOverTheBundlesOwnCt) {
   const auto reported = testing::heartgen("report bundle again.html --ct phantom/ct.nii.gz", folder());
   ASSERT_EQ(reported.exit_code, 0) << reported.errors;

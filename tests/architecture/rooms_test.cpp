@@ -47,24 +47,31 @@ std::vector<Room> declared() {
 
 std::vector<fs::path> sources() {
   std::vector<fs::path> found;
-  for (const char* folder : {"model", "generator", "validation", "exporters", "datasets", "benchmarks"})
+  for (const char* folder : {"include", "model", "generator", "validation", "exporters", "datasets", "benchmarks"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder))
       if (const auto kind = entry.path().extension(); kind == ".cpp" || kind == ".hpp") found.push_back(entry.path());
   return found;
 }
 
-std::string folder_of(const fs::path& source) { return fs::relative(source, root).parent_path().string(); }
+/// The public headers are the library's.
+std::string folder_of(const fs::path& source) {
+  const auto folder = fs::relative(source, root).parent_path().string();
+  return folder == "include/heartgen" ? "generator/library" : folder;
+}
 
 /// Includes of other rooms: folder to folder to how many.
 using Arrows = std::map<std::string, std::map<std::string, int>>;
 
 Arrows arrows() {
-  const std::regex include(R"re(#include "([^"]+)/[^"/]+")re");
+  const std::regex include(
+      R"re(#include [<"]((?:model|generator|validation|exporters|datasets|benchmarks|heartgen)[^">]*)/([^">/]+)[">])re");
   Arrows found;
   for (const auto& source : sources()) {
     const auto text = text_of(source);
     for (std::sregex_iterator at(text.begin(), text.end(), include), end; at != end; ++at)
-      if ((*at)[1] != folder_of(source)) ++found[folder_of(source)][(*at)[1]];
+      if (const auto folder = (*at)[1] == "heartgen" ? "generator/library" : (*at)[1].str();
+          folder != folder_of(source) && (*at)[2] != "version.hpp")  // which every room may include
+        ++found[folder_of(source)][folder];
   }
   return found;
 }

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "generator/app/own_mesh.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <heartgen/meshes.hpp>
 #include <limits>
 #include <map>
 #include <set>
 
 #include "exporters/registry.hpp"
+#include "generator/adapters/vtk_io.hpp"
 #include "generator/fibers/frame.hpp"
 #include "generator/mesh_files/any_mesh.hpp"
 #include "generator/mesh_files/surface_faces.hpp"
 #include "generator/tetmesh/orient.hpp"
 #include "model/fiber_names.hpp"
+#include "model/mesh_queries/feature_curves.hpp"
 
-namespace heartgen::app {
+namespace heartgen {
 namespace {
 
 Face sorted(Face face) {
@@ -56,7 +57,7 @@ void name_free_labels(const FreeLabels& free, TetMesh& mesh) {
 }
 
 /// Every face once: of surfaces and interfaces as the cells show them, then what the file labels inside of regions.
-void set_faces(const UnstructuredData& data, const std::vector<std::int32_t>& labels, OwnMesh& own) {
+void set_faces(const UnstructuredData& data, const std::vector<std::int32_t>& labels, MeshFile& own) {
   TetMesh& mesh = own.mesh;
   std::map<Face, std::int32_t> label_of;
   for (std::size_t f = 0; f < data.faces.size(); ++f)
@@ -100,7 +101,7 @@ const std::vector<Vec3>* find_axes(const Vectors& vectors, AxisName axis) {
 }
 
 /// Frames where there is a fibre; zero elsewhere. Empty without fibres.
-FiberField frames_of(const Vectors& vectors, OwnMesh& own) {
+FiberField frames_of(const Vectors& vectors, MeshFile& own) {
   const auto *fiber = find_axes(vectors, AxisName::fiber), *sheet = find_axes(vectors, AxisName::sheet);
   FiberField field;
   if (!fiber) return field;
@@ -115,7 +116,7 @@ FiberField frames_of(const Vectors& vectors, OwnMesh& own) {
   return field;
 }
 
-void set_fibers(const UnstructuredData& data, OwnMesh& own) {
+void set_fibers(const UnstructuredData& data, MeshFile& own) {
   own.mesh.node_fibers = frames_of(data.point_vectors, own);
   own.mesh.cell_fibers = frames_of(data.cell_vectors, own);
   FiberField& cell = own.mesh.cell_fibers;
@@ -126,7 +127,7 @@ void set_fibers(const UnstructuredData& data, OwnMesh& own) {
 }
 
 /// What an export of its own kind has no place for.
-void remark_on_arrays(const UnstructuredData& data, const std::string& labels, OwnMesh& own) {
+void remark_on_arrays(const UnstructuredData& data, const std::string& labels, MeshFile& own) {
   std::set<std::string> names;
   for (const auto* arrays : {&data.point_scalars, &data.cell_scalars, &data.face_scalars})
     for (const auto& [name, values] : *arrays)
@@ -140,7 +141,7 @@ void remark_on_arrays(const UnstructuredData& data, const std::string& labels, O
 }
 
 /// Names go into file names and into files of other programs: letters, digits, '_', '-' and '.', no name twice.
-void make_names_safe(OwnMesh& own) {
+void make_names_safe(MeshFile& own) {
   std::set<std::string> used;
   for (auto& [of, name] : own.mesh.names) {
     std::string safe = name;
@@ -157,16 +158,12 @@ void make_names_safe(OwnMesh& own) {
 
 }  // namespace
 
-bool is_own_mesh(const std::string& path) {
-  return mesh_files::is_mesh_name(path) && !std::filesystem::is_directory(path);
-}
-
-OwnMesh read_own_mesh(const std::string& path, const std::string& region, const std::string& unit) {
+MeshFile read_mesh(const std::filesystem::path& path, const std::string& region, const std::string& unit) {
   const auto data = mesh_files::read_any_mesh(path);
-  const auto labels = mesh_files::find_labels(data, region, path);
+  const auto labels = mesh_files::find_labels(data, region, path.string());
   const double scale = unit.empty() ? mesh_files::typical_unit_mm(path) : 1 / exporters::unit_scale(unit);
-  OwnMesh own;
-  own.name = std::filesystem::path(path).stem().string();
+  MeshFile own;
+  own.name = path.stem().string();
   own.remarks = data.remarks;
   TetMesh& mesh = own.mesh;
   mesh.nodes_mm = data.points;
@@ -183,4 +180,13 @@ OwnMesh read_own_mesh(const std::string& path, const std::string& region, const 
   return own;
 }
 
-}  // namespace heartgen::app
+std::vector<std::filesystem::path> write_mesh(const std::filesystem::path& path, const TetMesh& mesh) {
+  const std::string name = path.stem().string(), kind = path.extension().string();
+  const std::string format = kind == ".msh" ? "msh-ascii" : kind.substr(std::min<std::size_t>(1, kind.size()));
+  auto files = exporters::export_mesh(format, mesh, name, path.has_parent_path() ? path.parent_path() : ".");
+  files.push_back(std::filesystem::path(path).replace_filename(name + "_curves.vtp"));
+  adapters::write_curves(files.back(), mesh, mesh_queries::feature_curves(mesh));
+  return files;
+}
+
+}  // namespace heartgen

@@ -21,7 +21,11 @@ CLIENT_FORMATS := $(subst $(empty) $(empty),$(comma),vtk vtu msh msh-ascii msh2 
 FUZZ_SECONDS := 60
 FUZZ_KINDS := $(notdir $(wildcard tests/fuzz/corpus/*))
 
-.PHONY: all lab demo test test-clients test-machines chaos bench rooms asan tsan fuzz docs format check tidy clean
+# Debian packages and a tarball with all libraries, in dist/.
+VERSION := $(shell sed -n 's/^project(heartgen VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+PARTS := heartgen heartgen-tetgen heartgen_shared heartgen_python manual
+
+.PHONY: all deb tarball first-minutes lab demo test test-clients test-machines chaos bench rooms asan tsan fuzz docs format check tidy clean
 all: $(HEARTGEN)
 
 lab: $(BUILD)/build.ninja
@@ -57,6 +61,39 @@ demo: demo/export/markers.stamp
 	@echo
 	@echo "Bundle: demo/bundle    Exports: demo/export"
 	@echo "Open the report in a browser: demo/bundle/validation/report.html"
+
+.PHONY: parts
+parts: $(BUILD)/build.ninja build/package.stamp
+	cmake --build --preset release --parallel $(JOBS) --target $(PARTS)
+
+deb: parts
+	rm -rf $(BUILD)/deb && mkdir -p dist
+	SOURCE_DATE_EPOCH=$${SOURCE_DATE_EPOCH:-$$(git log -1 --format=%ct)} cpack --config $(BUILD)/CPackConfig.cmake -B $(BUILD)/deb
+	cp $(BUILD)/deb/*.deb dist/
+	lintian --fail-on error $$(ls dist/*.deb)
+	@ls -l dist/*.deb
+
+tarball: parts
+	packaging/make_tarball $(BUILD) dist/heartgen-$(VERSION)-linux-x86_64.tar.gz
+
+# A stranger's first five minutes, in a bare Debian 12; needs root and Debian's mirrors.
+demo/bundle.tar.zst: demo/bundle/manifest.json
+	rm -f $@ && $(HEARTGEN) pack demo/bundle $@
+
+# What is published, in dist/; RELEASE.md says how.
+RELEASED := dist/heartgen-$(VERSION)
+.PHONY: release
+release: deb tarball demo/bundle.tar.zst
+	git archive --prefix=heartgen-$(VERSION)/ HEAD | gzip -9n > $(RELEASED).tar.gz
+	cp demo/bundle.tar.zst $(RELEASED)-phantom.tar.zst
+	rm -rf demo/released && $(HEARTGEN) export demo/bundle --to opencarp,xdmf,openfoam --output demo/released > demo/released.txt
+	tar --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 -C demo/released -c . | zstd -19 -q -f -o $(RELEASED)-phantom-exports.tar.zst
+	cd dist && sha256sum heartgen-$(VERSION)-phantom.tar.zst > heartgen-$(VERSION)-phantom.tar.zst.sha256
+	cd dist && sha256sum *.deb *.tar.gz *.tar.zst > SHA256SUMS
+	@ls -l dist; cat dist/SHA256SUMS
+
+first-minutes: deb tarball demo/bundle.tar.zst build/chroot.stamp
+	tests/chroot/first_minutes.sh dist demo/bundle.tar.zst build/chroot/system
 
 test: $(BUILD)/build.ninja
 	cmake --build --preset release --parallel $(JOBS)
@@ -137,4 +174,4 @@ tidy: $(BUILD)/build.ninja
 	git diff --name-only --diff-filter=d $(BASE) -- '*.cpp' | xargs -r -P $(JOBS) -n 1 clang-tidy -quiet -p $(BUILD)
 
 clean:
-	rm -rf $(BUILD) build/asan build/tsan build/fuzz demo
+	rm -rf dist $(BUILD) build/asan build/tsan build/fuzz demo

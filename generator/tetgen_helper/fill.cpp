@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "generator/adapters/tetgen_exchange.hpp"
+#include "model/volume.hpp"
 
 namespace heartgen::tetgen_helper {
 namespace {

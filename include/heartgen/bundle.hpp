@@ -7,7 +7,8 @@
 #include "exporters/certificate_json.hpp"
 #include "model/error.hpp"
 
-namespace heartgen::bundle {
+namespace heartgen {
+namespace bundle {
 
 using exporters::certificate_json;
 using exporters::Manifest;
@@ -18,11 +19,12 @@ using exporters::read_certificate;
 using exporters::read_labels;
 using exporters::read_manifest;
 using exporters::read_mesh;
-using exporters::unpack_bundle;
 using exporters::sha256_of_file;
+using exporters::unpack_bundle;
 using exporters::verify_bundle;
 
 /// All meshes by name.
 std::map<std::string, TetMesh> read_meshes(const std::filesystem::path& folder);
 
-}  // namespace heartgen::bundle
+}  // namespace bundle
+}  // namespace heartgen

@@ -26,9 +26,9 @@ TEST(Help, GoesAlongTheRoads) {
 }
 
 TEST(Help, EveryCommandHasAnExample) {
-  for (const char* command :
-       {"build",  "landmarks", "place",   "info",  "verify", "validate", "report",  "export",  "transfer", "pack",
-        "unpack", "get", "mesh",      "improve", "slice", "filter", "contours", "segment", "inpaint", "phantom",  "selftest"})
+  for (const char* command : {"build",  "landmarks", "place",    "info",    "verify",  "validate", "report",
+                              "export", "transfer",  "pack",     "unpack",  "get",     "mesh",     "improve",
+                              "slice",  "filter",    "contours", "segment", "inpaint", "phantom",  "selftest"})
     EXPECT_NE(help_of(command).find(std::string("heartgen ") + command), std::string::npos) << command;
 }
 

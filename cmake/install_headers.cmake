@@ -1,5 +1,6 @@
 # Installs the headers of include/heartgen, and below heartgen/ every header of ours that these include, with includes
 # that name it there: one place on a user's include path. `source`, `binary` and `folder` are set by install(CODE).
+cmake_policy(VERSION 3.25)
 set(root "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${folder}")
 set(rooms "model|generator|validation|exporters|datasets")
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <heartgen/bundle.hpp>
 
-namespace heartgen::bundle {
+namespace heartgen {
+namespace bundle {
 
 std::map<std::string, TetMesh> read_meshes(const std::filesystem::path& folder) {
   std::map<std::string, TetMesh> meshes;
@@ -9,4 +10,5 @@ std::map<std::string, TetMesh> read_meshes(const std::filesystem::path& folder) 
   return meshes;
 }
 
-}  // namespace heartgen::bundle
+}  // namespace bundle
+}  // namespace heartgen

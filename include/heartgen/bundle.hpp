@@ -7,7 +7,8 @@
 #include "exporters/certificate_json.hpp"
 #include "model/error.hpp"
 
-namespace heartgen::bundle {
+namespace heartgen {
+namespace bundle {
 
 using exporters::certificate_json;
 using exporters::Manifest;
@@ -25,4 +26,5 @@ using exporters::verify_bundle;
 /// All meshes by name.
 std::map<std::string, TetMesh> read_meshes(const std::filesystem::path& folder);
 
-}  // namespace heartgen::bundle
+}  // namespace bundle
+}  // namespace heartgen

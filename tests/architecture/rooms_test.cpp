@@ -51,7 +51,8 @@ std::string folder_of(const fs::path& source) {
 using Arrows = std::map<std::string, std::map<std::string, int>>;
 
 Arrows arrows() {
-  const std::regex include(R"re(#include [<"]((?:model|generator|validation|exporters|datasets|benchmarks|heartgen)[^">]*)/([^">/]+)[">])re");
+  const std::regex include(
+      R"re(#include [<"]((?:model|generator|validation|exporters|datasets|benchmarks|heartgen)[^">]*)/([^">/]+)[">])re");
   Arrows found;
   for (const auto& source : sources()) {
     const auto text = text_of(source);

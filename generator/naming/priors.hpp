@@ -4,10 +4,10 @@
 /// The only file of this room with numbers about patients. Millimetres, LPS; costs are negative logarithms of
 /// probabilities (4 = once in 50).
 ///
-/// Source of the offsets, volumes and extents: set on general knowledge of adult anatomy with one heart of real anatomy
-/// in view (the prototype's), not changed since; volumes lie within the reference ranges of Kawel-Boehm et al., J
-/// Cardiovasc Magn Reson 22:87 (2020), whose two standard deviations `ln_sigma` covers. Source of the costs and of the
-/// limits: set on two public CTs and phantoms 0 to 3; `heartgen-lab naming` prints what comes of them on others.
+/// Source of the offsets, volumes, extents and costs: set on general knowledge of adult anatomy, one synthetic CT of a
+/// real heart's anatomy and three real CTs, none of them a paper's figures; not changed since. Set on two public CTs:
+/// no_right_contrast, missing_outside, no_part, and the joining of small basins. No limit is calibrated yet:
+/// `heartgen-lab naming` prints what comes of them on phantoms that nobody looked at.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -10,7 +10,7 @@
 namespace heartgen::naming {
 namespace {
 
-// Limits: set on phantoms 0 to 3 and two public CTs; `heartgen-lab naming` counts what is right on either side.
+// Limits: set on three real CTs; `heartgen-lab naming` counts what is right on either side.
 constexpr double min_margin = 3, min_vessel_margin = 1.5;
 constexpr double like_mirrored = 6;   // a mirrored image that costs so little more
 constexpr double max_border_cm2 = 3;  // of a chamber's blood on the image's border

@@ -4,6 +4,7 @@
 
 #include "datasets/phantom/phantom.hpp"
 #include "model/error.hpp"
+#include "model/quantile.hpp"
 
 namespace heartgen::phantom {
 namespace {
@@ -18,8 +19,12 @@ Phantom made(const GreyValues& grey) {
   return make_phantom(settings);
 }
 
-double grey_at(const Phantom& p, const char* seed) {
-  return sample_linear(p.ct, index_from_lps(p.ct.grid, p.landmarks.seeds_mm.at(seed)));
+/// Median of a region's voxels: most of them hold nothing else.
+double grey_of(const Phantom& p, const char* name) {
+  std::vector<std::int16_t> values;
+  for (std::size_t v = 0; v < p.ct.voxels.size(); ++v)
+    if (p.labels.voxels[v] == tag(*region_from_name(name))) values.push_back(p.ct.voxels[v]);
+  return upper_median(values);
 }
 
 TEST(GreyValues, EachPartHasItsOwn) {
@@ -27,12 +32,12 @@ TEST(GreyValues, EachPartHasItsOwn) {
   for (const char* assignment : {"lv=350", "rv=300", "ra=450", "pa=310", "svc=900", "muscle=105"})
     set_grey(grey, assignment);
   const auto p = made(grey);
-  EXPECT_NEAR(grey_at(p, "lv_blood"), 350, 1);
-  EXPECT_NEAR(grey_at(p, "la_blood"), 350, 1);
-  EXPECT_NEAR(grey_at(p, "aorta"), 350, 1);
-  EXPECT_NEAR(grey_at(p, "rv_blood"), 300, 1);
-  EXPECT_NEAR(grey_at(p, "ra_blood"), 450, 1);
-  EXPECT_NEAR(grey_at(p, "pulmonary_artery"), 310, 1);
+  EXPECT_NEAR(grey_of(p, "lv_blood"), 350, 1);
+  EXPECT_NEAR(grey_of(p, "la_blood"), 350, 1);
+  EXPECT_NEAR(grey_of(p, "aorta"), 350, 1);
+  EXPECT_NEAR(grey_of(p, "rv_blood"), 300, 1);
+  EXPECT_NEAR(grey_of(p, "ra_blood"), 450, 1);
+  EXPECT_NEAR(grey_of(p, "pulmonary_artery"), 310, 1);
 }
 
 TEST(GreyValues, LeaveEverythingElseAsItIs) {
@@ -47,7 +52,7 @@ TEST(GreyValues, LeaveEverythingElseAsItIs) {
     darker += dense.ct.voxels[v] < plain.ct.voxels[v];
   }
   EXPECT_GT(brighter, 300U);
-  EXPECT_LT(brighter, 3000U);
+  EXPECT_LT(brighter, 6000U);
   EXPECT_EQ(darker, 0U);
 }
 
@@ -75,8 +80,8 @@ TEST(GreyValues, AJetRunsThroughTheRightAtriumAlone) {
 
 TEST(GreyValues, WithoutContrastBloodIsAsDarkAsMuscle) {
   const auto p = made(grey_without_contrast());
-  for (const char* seed : {"lv_blood", "la_blood", "rv_blood", "ra_blood", "aorta", "pulmonary_artery"})
-    EXPECT_NEAR(grey_at(p, seed), 45, 8) << seed;
+  for (const char* name : {"lv_blood", "la_blood", "rv_blood", "ra_blood", "aorta", "pulmonary_artery"})
+    EXPECT_NEAR(grey_of(p, name), 45, 8) << name;
 }
 
 TEST(GreyValues, MistakesAreTold) {

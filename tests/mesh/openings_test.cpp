@@ -218,7 +218,9 @@ TEST_P(Openings, FacesOfAnnuliLookOutOfTheLowerRegion) {
       const auto own = outward.find(from_smallest(face)),
                  other = outward.find(from_smallest({face[0], face[2], face[1]}));
       ASSERT_NE(own, outward.end()) << name;
-      if (other != outward.end()) EXPECT_LT(own->second, other->second) << name;
+      if (other != outward.end()) {
+        EXPECT_LT(own->second, other->second) << name;
+      }
     }
   }
 }

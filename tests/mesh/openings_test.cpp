@@ -31,7 +31,7 @@ MeshSettings coarse() {
 }
 
 // The aorta leaves the left ventricle along an axis that no axis of the grid is near, and is cut across it.
-const Vec3 aorta_axis = normalized({1, 0.2, -0.35});
+const Vec3 aorta_axis = normalized({1, 0.2, -0.8});
 constexpr double aorta_radius = 5, aorta_length = 29;
 
 bool is_in_aorta(const Vec3& p) {

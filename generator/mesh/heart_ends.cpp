@@ -90,7 +90,7 @@ struct Cut {
     const auto* end = end_before(at);
     if (end == nullptr) return label;
     const bool has_room = label == tag(end->vessel) || (bulk_bits >> label & 1) != 0;  // other parts of the heart stay
-    if (has_room && beyond_mm(end->plane, at) < stub_mm && is_vessel(*end, foot(*end, at))) return stub_label;
+    if (has_room && beyond_mm(end->plane, at) < stub_mm && is_vessel(*end, foot(*end, at))) return artery_stub_label;
     return label == tag(end->vessel) ? surroundings : label;
   }
 
@@ -115,7 +115,7 @@ struct Cut {
   template <class Base>
   int equations_at(tetmesh::LabelBits labels, const Vec3& p, std::span<tetmesh::Equation> equations,
                    const Base& base) const {
-    const auto stub = tetmesh::bit_of(stub_label);
+    const auto stub = tetmesh::bit_of(artery_stub_label);
     if ((labels & stub) == 0) return base(labels, p, equations);
     const Vec3 at = lps(p);
     const auto& end = end_of(at);

@@ -23,10 +23,10 @@ struct HeartEnd {
 std::vector<HeartEnd> find_heart_ends(const LabelVolume& labels);
 
 /// Of the pieces of vessels beyond their ends that are meshed and then given to the torso or dropped.
-constexpr int stub_label = 20;
+constexpr int artery_stub_label = 20;
 
-/// Materials of the domain with a straight stub of the same section, of stub_label, beyond each end, and nothing of the
-/// vessel beyond that. All arguments must outlive the result.
+/// Materials of the domain with a straight stub of the same section, of artery_stub_label, beyond each end, and nothing
+/// of the vessel beyond that. All arguments must outlive the result.
 tetmesh::Materials with_ends(const MeshDomain& domain, tetmesh::Materials materials, const std::vector<HeartEnd>& ends,
                              double stub_mm);
 

@@ -73,8 +73,8 @@ tetmesh::Complex lattice_complex(const tetmesh::Materials& materials, std::span<
                                  std::int64_t crumb_cells, LatticeReport* report = nullptr,
                                  const LatticeAims& aims = {});
 
-/// lattice_complex of a label map: cells with labels 1 to 17, and of stub_label beyond `ends`, nodes in LPS mm; the
-/// sides of the image and the ends are flat.
+/// lattice_complex of a label map: cells with labels 1 to 17, and of artery_stub_label beyond `ends`, nodes in LPS mm;
+/// the sides of the image and the ends are flat.
 LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes_mm,
                             std::span<const LabelSet> manifold_sets, std::int64_t crumb_cells,
                             LatticeReport* report = nullptr, const std::vector<HeartEnd>& ends = {});

@@ -93,8 +93,8 @@ std::int32_t surface_of_stub(Region other) {
 }
 
 std::int32_t surface_of(std::int32_t label, std::int32_t other) {
-  if (label == stub_label || other == stub_label)
-    return surface_of_stub(static_cast<Region>(label == stub_label ? other : label));
+  if (label == artery_stub_label || other == artery_stub_label)
+    return surface_of_stub(static_cast<Region>(label == artery_stub_label ? other : label));
   if (other == label + beyond_border)
     return surface_at_border(surface_between(static_cast<Region>(label), Region::none));
   return surface_between(static_cast<Region>(label), static_cast<Region>(other % beyond_border));
@@ -111,7 +111,7 @@ std::array<LabelSet, 3> manifold_sets(bool has_torso) {
     sets[1][at] = is_myocardium(static_cast<Region>(row.tag));
     sets[2][at] = is_blood(static_cast<Region>(row.tag));
   }
-  sets[0][stub_label] = has_torso;
+  sets[0][artery_stub_label] = has_torso;
   return sets;
 }
 
@@ -151,7 +151,7 @@ std::int32_t surface_at_stub(const TetMesh& mesh, const Face& face, Region vesse
 void settle_ends(TetMesh& mesh, const std::vector<HeartEnd>& ends) {
   if (ends.empty()) return;
   for (auto& region : mesh.region)
-    if (region == stub_label) region = tag(Region::torso);
+    if (region == artery_stub_label) region = tag(Region::torso);
   std::size_t kept = 0;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     auto surface = mesh.surface[f];
@@ -286,7 +286,9 @@ TetMesh mesh_domain(const MeshDomain& domain, const MeshSettings& settings, Latt
   const bool keeps_stubs = has_torso(domain);
   auto mesh = assemble(
       cells,
-      [=](std::int32_t label) { return label > 0 && label < beyond_border && (keeps_stubs || label != stub_label); },
+      [=](std::int32_t label) {
+        return label > 0 && label < beyond_border && (keeps_stubs || label != artery_stub_label);
+      },
       surface_of);
   settle_ends(mesh, ends);
   label_border_faces(mesh, domain.grid);

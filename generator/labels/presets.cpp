@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "generator/labels/usual_names.hpp"
 #include "model/error.hpp"
@@ -279,9 +278,10 @@ const LabelPreset& label_preset(std::string_view name) {
 std::string plain_name(std::string_view name) {
   std::string plain;
   for (const char c : name) {
-    const auto u = static_cast<unsigned char>(c);
-    if (std::isalnum(u) != 0)
-      plain += static_cast<char>(std::tolower(u));
+    if (c >= 'A' && c <= 'Z')
+      plain += static_cast<char>(c - 'A' + 'a');
+    else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || static_cast<unsigned char>(c) >= 0x80)
+      plain += c;
     else if (!plain.empty() && plain.back() != '_')
       plain += '_';
   }

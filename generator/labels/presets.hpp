@@ -49,7 +49,8 @@ const std::vector<LabelPreset>& label_presets();
 /// Throws UserError with the nearest known name. "none" is a preset without any meaning.
 const LabelPreset& label_preset(std::string_view name);
 
-/// Lower case, with every run of other characters than letters and digits as one '_': how names are compared.
+/// Lower case, with every run of other characters than letters and digits as one '_': how names are compared. Letters
+/// of other scripts than the Latin stay as they are (UTF-8).
 std::string plain_name(std::string_view name);
 
 }  // namespace heartgen::labels

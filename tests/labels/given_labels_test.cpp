@@ -114,6 +114,8 @@ TEST(LabelNames, AreComparedWithoutCaseAndPunctuation) {
   EXPECT_EQ(plain_name(" Left-Ventricle  (blood)"), "left_ventricle_blood");
   EXPECT_EQ(plain_name("rib_left_12"), "rib_left_12");
   EXPECT_EQ(plain_name("--"), "");
+  EXPECT_EQ(plain_name("左心房 (1)"), "左心房_1");
+  EXPECT_NE(plain_name("左心房"), plain_name("左心室"));
 }
 
 TEST_F(GivenLabelsTest, ValuesOfAPreset) {

@@ -198,10 +198,13 @@ struct Recognised {
 
 /// Names tell; where a value has none, the values and where they lie do. Our own numbers where nothing else fits: they
 /// may be a part of a heart.
-Recognised recognise(const adapters::LabelImage& image, const ValueNames& names) {
+Recognised recognise(const adapters::LabelImage& image, const ValueNames& names, const std::string& path) {
   if (const auto* preset = preset_for_names(names_in(image, names))) return {preset, "its names"};
-  if (const auto preset = fitting_preset(image); !preset.empty())
-    return {&label_preset(preset), "its values and where they lie"};
+  const auto fitting = fitting_presets(image);
+  if (fitting.size() > 1)
+    throw UserError(fmt::format("makes a heart with each of the presets {}", fmt::join(fitting, ", ")), path,
+                    "choose one of them with --preset");
+  if (!fitting.empty()) return {&label_preset(fitting.front()), "its values and where they lie"};
   return {&label_preset("heartgen"), "its values"};
 }
 
@@ -229,7 +232,7 @@ GivenLabels labels_of_image(const std::string& path, Dictionary dictionary, cons
   const adapters::LabelImage image = adapters::read_label_image(path);
   GivenLabels given;
   if (dictionary.preset->name == automatic_preset) {
-    const auto recognised = recognise(image, names);
+    const auto recognised = recognise(image, names, path);
     dictionary.preset = recognised.preset;
     given.warnings.push_back(preset_note(recognised));
   }

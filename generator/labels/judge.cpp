@@ -126,14 +126,20 @@ bool looks_like_heart(const LabelVolume& labels) {
          mismatch_in(volumes_ml(labels)) == nullptr && !is_exchanged(labels);
 }
 
-std::string fitting_preset(const adapters::LabelImage& image) {
+std::vector<std::string> fitting_presets(const adapters::LabelImage& image) {
   const auto values = values_in(image);
+  std::vector<std::string> fitting;
   for (const auto& preset : label_presets()) {
     const bool knows_all =
         std::all_of(values.begin(), values.end(), [&](std::int32_t value) { return preset.values.contains(value); });
-    if (knows_all && looks_like_heart(read_with(image, preset))) return std::string(preset.name);
+    if (knows_all && looks_like_heart(read_with(image, preset))) fitting.emplace_back(preset.name);
   }
-  return "";
+  return fitting;
+}
+
+std::string fitting_preset(const adapters::LabelImage& image) {
+  const auto fitting = fitting_presets(image);
+  return fitting.empty() ? "" : fitting.front();
 }
 
 void refuse_another_task(const adapters::LabelImage& image, const LabelVolume& labels, const LabelPreset& preset,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "generator/adapters/itk_io.hpp"
 #include "generator/labels/presets.hpp"
@@ -26,7 +27,9 @@ void refuse_another_task(const adapters::LabelImage& image, const LabelVolume& l
 /// Without 0, ascending.
 std::set<std::int32_t> values_in(const Volume<std::int32_t>& layer);
 
-/// The preset that makes a heart of the image's values; empty where none does.
+/// The presets that make a heart of the image's values, in the order of label_presets().
+std::vector<std::string> fitting_presets(const adapters::LabelImage& image);
+/// The first of them; empty where there is none.
 std::string fitting_preset(const adapters::LabelImage& image);
 
 /// Throws UserError for chambers that no heart with a left ventricle's wall has side by side, such as a right ventricle

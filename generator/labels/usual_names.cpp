@@ -49,8 +49,7 @@ constexpr std::array synonyms = {
     Synonym{"myocardium", "wall"},
     Synonym{"myocardial", "wall"},
     Synonym{"myo", "wall"},
-    Synonym{"muscle", "wall"},
-    Synonym{"muscles", "wall"},
+    Synonym{"muscles", "muscle"},
     Synonym{"walls", "wall"},
     Synonym{"aortic", "aorta"},
     Synonym{"root", "aorta"},
@@ -95,6 +94,8 @@ constexpr std::array meanings = {
     Meaning{{"papillary"}, papillary},
     Meaning{{"left", "ventricle", "wall"}, lv_myocardium},
     Meaning{{"right", "ventricle", "wall"}, rv_myocardium},
+    Meaning{{"left", "ventricle", "muscle"}, lv_myocardium},
+    Meaning{{"right", "ventricle", "muscle"}, rv_myocardium},
     Meaning{{"left", "atrium", "wall"}, la_wall},
     Meaning{{"right", "atrium", "wall"}, ra_wall},
     Meaning{{"left", "ventricle"}, lv_blood},
@@ -103,7 +104,7 @@ constexpr std::array meanings = {
     Meaning{{"right", "atrium"}, ra_blood},
     Meaning{{"pulmonary", "artery"}, pulmonary_artery},
     Meaning{{"aorta"}, aorta},
-    Meaning{{"wall"}, lv_myocardium},
+    Meaning{{"wall"}, lv_myocardium},  // "myocardium"
     Meaning{{"trachea"}, trachea},
     Meaning{{"lung"}, lung},
     Meaning{{"liver"}, liver},
@@ -112,6 +113,27 @@ constexpr std::array meanings = {
     Meaning{{"carotid", "artery"}, carotid},
     Meaning{{"carotid"}, carotid},
 };
+
+/// Whether a word may stand beside those of a meaning: blood in a cavity or vessel, muscle in what is papillary, a side
+/// of what a heart model does not tell apart. "Aortic wall" is no aorta, "right wall" no left ventricle's.
+bool may_stand_beside(const Meaning& meaning, std::string_view word) {
+  if (meaning.region == none) return true;
+  if (word == "blood") return is_blood(meaning.region);
+  if (word == "muscle") return meaning.region == papillary;
+  const bool is_side = word == "left" || word == "right";
+  return is_side && (meaning.region == lung || meaning.region == bone || meaning.region == carotid ||
+                     meaning.region == papillary || meaning.region == pulmonary_artery);
+}
+
+bool fits(const Meaning& meaning, const Words& words) {
+  const auto is_of_meaning = [&](std::string_view word) {
+    return std::find(meaning.words.begin(), meaning.words.end(), word) != meaning.words.end();
+  };
+  return std::all_of(meaning.words.begin(), meaning.words.end(),
+                     [&](std::string_view word) { return word.empty() || words.contains(word); }) &&
+         std::all_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return is_of_meaning(word) || may_stand_beside(meaning, word); });
+}
 
 /// The words in one wording; nothing where one is unknown.
 std::optional<Words> words_of(const std::string& plain_name, std::vector<std::string>& storage) {
@@ -143,9 +165,7 @@ std::optional<Region> region_of_words(const std::string& plain_name) {
   const auto words = words_of(plain_name, storage);
   if (!words) return {};
   for (const Meaning& meaning : meanings)
-    if (std::all_of(meaning.words.begin(), meaning.words.end(),
-                    [&](std::string_view word) { return word.empty() || words->contains(word); }))
-      return meaning.region;
+    if (fits(meaning, *words)) return meaning.region;
   return {};
 }
 

@@ -18,6 +18,8 @@ TEST(UsualNames, AreUnderstoodByTheirWords) {
                                                {"lvbp", lv_blood},
                                                {"Left Ventricular Wall", lv_myocardium},
                                                {"LV myocardium", lv_myocardium},
+                                               {"left ventricular muscle", lv_myocardium},
+                                               {"left pulmonary artery", pulmonary_artery},
                                                {"Myocardium", lv_myocardium},
                                                {"RV_free_wall", rv_myocardium},
                                                {"Right Ventricle", rv_blood},
@@ -39,7 +41,8 @@ TEST(UsualNames, AreUnderstoodByTheirWords) {
 }
 
 TEST(UsualNames, AnUnknownWordIsNotGuessedAround) {
-  for (const char* name : {"LV scar", "left kidney", "Segment_1", "ventricle", "", "aneurysm of the aorta"})
+  for (const char* name : {"LV scar", "left kidney", "Segment_1", "ventricle", "", "aneurysm of the aorta",
+                           "Aortic wall", "Right wall", "Muscle", "Pulmonary artery wall", "LV and LA", "atrium"})
     EXPECT_FALSE(meaning(name)) << name;
 }
 

@@ -9,6 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "generator/mesh/lattice_cells.hpp"
+#include "generator/tetmesh/quality.hpp"
+#include "generator/tetmesh/remesh_worst.hpp"
 #include "model/crop.hpp"
 
 namespace heartgen::mesh {
@@ -161,6 +164,57 @@ tetmesh::Materials with_ends(const MeshDomain& domain, tetmesh::Materials materi
     return cut.equations_at(labels, p, equations, base);
   };
   return materials;
+}
+
+namespace {
+
+/// How many nodes stay off their plane because a cell would fall below `min_quality`.
+std::int64_t put_on_planes(tetmesh::Complex& c, const MeshDomain& domain, const std::vector<HeartEnd>& ends,
+                           double min_quality) {
+  constexpr double on_plane_mm = 1e-6;
+  const Vec3& s = domain.grid.spacing_mm;
+  std::int64_t off = 0;
+  c.frozen.assign(c.nodes_mm.size(), 0);
+  for (std::size_t n = 0; n < c.nodes_mm.size(); ++n) {
+    const auto node = static_cast<std::int32_t>(n);
+    if ((c.bits(node) & tetmesh::bit_of(artery_stub_label)) == 0) continue;
+    const Vec3 old = c.at(node), at = lps_from_index(domain.grid, {old.x / s.x, old.y / s.y, old.z / s.z});
+    for (const auto& artery : arteries) {
+      const auto* end = nearest_end(ends, artery.region, at);
+      if ((c.bits(node) & tetmesh::bit_of(tag(artery.region))) == 0 || end == nullptr) continue;
+      const double before = tetmesh::worst_quality(c, c.star(node));
+      const double beyond = beyond_mm(end->plane, at);
+      const auto move_to = [&](const Vec3& p) {
+        c.nodes_mm[n] = p;
+        for (const auto t : c.star(node)) tetmesh::update_quality(c, t);
+      };
+      move_to(old - beyond * (transposed(domain.grid.direction) * end->plane.normal));
+      const bool fits = tetmesh::worst_quality(c, c.star(node)) >= std::min(before, min_quality);
+      c.frozen[n] = fits ? 1 : 0;
+      if (!fits) move_to(old);
+      off += !fits && std::abs(beyond) > on_plane_mm ? 1 : 0;
+    }
+  }
+  return off;
+}
+
+}  // namespace
+
+void flatten_ends(tetmesh::Complex& complex, const tetmesh::Materials& materials, const MeshDomain& domain,
+                  const std::vector<HeartEnd>& ends) {
+  if (ends.empty()) return;
+  constexpr double passing = 0.3;  // a quality that mending starts from
+  constexpr int rounds = 3;        // what would flatten a cell has room after the others are mended
+  tetmesh::RepairSettings repairing;
+  repairing.may_relabel = false;  // it would take cells out of an end
+  for (int round = 0; round < rounds; ++round) {
+    const auto off = put_on_planes(complex, domain, ends, passing);
+    tetmesh::repair(complex, materials, repairing);
+    tetmesh::remesh_worst(complex, materials, repairing, kept_quality, tetmesh::OnFailure::go_on);
+    if (off == 0) break;
+  }
+  put_on_planes(complex, domain, ends, kept_quality);
+  complex.frozen.clear();
 }
 
 const HeartEnd* nearest_end(const std::vector<HeartEnd>& ends, Region vessel, const Vec3& lps_mm) {

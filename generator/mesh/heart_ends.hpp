@@ -7,6 +7,7 @@
 
 #include "generator/mesh/domain.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
+#include "generator/tetmesh/complex.hpp"
 #include "generator/tetmesh/materials.hpp"
 #include "model/volume.hpp"
 
@@ -29,6 +30,11 @@ constexpr int artery_stub_label = 20;
 /// of the vessel beyond that. All arguments must outlive the result.
 tetmesh::Materials with_ends(const MeshDomain& domain, tetmesh::Materials materials, const std::vector<HeartEnd>& ends,
                              double stub_mm);
+
+/// Moves the nodes between a vessel and its stub onto the plane of the end. Cells that this makes worse than the rest
+/// of the mesh are mended around them; a node whose cells cannot be mended stays where it is.
+void flatten_ends(tetmesh::Complex& complex, const tetmesh::Materials& materials, const MeshDomain& domain,
+                  const std::vector<HeartEnd>& ends);
 
 /// The end of `vessel` whose plane's centre a point is nearest to; nullptr where it has none.
 const HeartEnd* nearest_end(const std::vector<HeartEnd>& ends, Region vessel, const Vec3& lps_mm);

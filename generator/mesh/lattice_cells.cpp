@@ -271,7 +271,9 @@ LabelledCells lattice_cells(const MeshDomain& domain, const Volume<float>& sizes
   LatticeAims aims;
   aims.fitted = heart_bits();  // the body's edges are too coarse for its creases
   aims.tolerated = 8;
-  return collect(lattice_complex(materials, manifold_sets, crumb_cells, report, aims), domain.grid);
+  auto complex = lattice_complex(materials, manifold_sets, crumb_cells, report, aims);
+  flatten_ends(complex, materials, domain, ends);
+  return collect(complex, domain.grid);
 }
 
 }  // namespace heartgen::mesh

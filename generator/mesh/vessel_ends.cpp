@@ -9,6 +9,7 @@
 #include <queue>
 #include <utility>
 
+#include "generator/image/gaussian.hpp"
 #include "generator/image/sections.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
 #include "model/quantile.hpp"
@@ -251,28 +252,67 @@ double shell_thickness(const Grid& grid) {
   return 1.5 * std::max({grid.spacing_mm.x, grid.spacing_mm.y, grid.spacing_mm.z});
 }
 
+constexpr double section_step_mm = 1;
+constexpr double section_search_mm = 1.5;
+
+/// Sections of a lumen across an end's normal, from `first_mm` to `last_mm` along it.
+std::vector<image::Section> sections_along(const Volume<float>& lumen, const VesselEnd& end, double first_mm,
+                                           double last_mm) {
+  std::vector<image::Section> sections;
+  for (double along = first_mm; along <= last_mm; along += section_step_mm)
+    if (const auto found = image::section_at(lumen, end.center_mm + along * end.normal, end.normal, section_search_mm))
+      sections.push_back(*found);
+  return sections;
+}
+
+double usual_area_mm2(const std::vector<image::Section>& sections) {
+  std::vector<double> areas;
+  for (const auto& section : sections) areas.push_back(section.area_mm2);
+  return upper_median(areas);
+}
+
+/// The plane across the line through the centres of the sections behind it. Oblique sections of a tube have their
+/// centres on its axis too, so that a first axis that is off, as geodesic distances in voxels make it, is mended.
+VesselEnd turned_across_sections(const Volume<float>& lumen, VesselEnd end) {
+  constexpr int rounds = 4;
+  constexpr double least_share = 0.75, greatest_share = 1.4;  // of the usual area: neither cut off nor a chamber's
+  const double radius = end.reach_mm / 1.5, length = axis_length_radii * radius;
+  for (int round = 0; round < rounds; ++round) {
+    auto sections = sections_along(lumen, end, -length, 0);
+    if (sections.empty()) return end;
+    const double usual = usual_area_mm2(sections);
+    std::erase_if(sections, [&](const image::Section& s) {
+      return s.area_mm2 < least_share * usual || s.area_mm2 > greatest_share * usual;
+    });
+    if (sections.size() < 4) return end;
+    const double middle = static_cast<double>(sections.size() - 1) / 2;
+    Vec3 mean, slope;
+    for (std::size_t s = 0; s < sections.size(); ++s) {
+      mean += sections[s].centre_mm / static_cast<double>(sections.size());
+      slope += (static_cast<double>(s) - middle) * sections[s].centre_mm;
+    }
+    if (norm(slope) < 1e-9) return end;
+    end.normal = normalized(slope);
+    end.center_mm = mean + dot(end.center_mm - mean, end.normal) * end.normal;
+  }
+  return end;
+}
+
 /// The plane moved along its axis to where the section is nearly whole for the last time.
 VesselEnd moved_to_last_section(const Volume<float>& lumen, VesselEnd end) {
   constexpr double step_mm = 0.25, whole = 0.9, inwards_radii = 1, outwards_radii = 2;
-  const auto section = [&](double along_mm) {
-    return image::section_at(lumen, end.center_mm + along_mm * end.normal, end.normal, 1.5 * step_mm + 1);
-  };
   const double radius = end.reach_mm / 1.5;
-  std::vector<double> own;
-  for (double along = -inwards_radii * radius; along <= 0; along += 4 * step_mm)
-    if (const auto found = section(along)) own.push_back(found->area_mm2);
+  const auto own = sections_along(lumen, end, -inwards_radii * radius, 0);
   if (own.empty()) return end;
-  const double usual = upper_median(own);
+  const double usual = usual_area_mm2(own);
   double last = 0;
-  Vec3 center = end.center_mm;
-  for (double along = 0; along <= outwards_radii * radius; along += step_mm) {
-    const auto found = section(along);
+  for (double along = step_mm; along <= outwards_radii * radius; along += step_mm) {
+    const auto found = image::section_at(lumen, end.center_mm + along * end.normal, end.normal, section_search_mm);
     if (!found || found->area_mm2 < whole * usual) break;
     last = along;
-    center = found->centre_mm;
   }
   end.reach_mm += last;
-  end.center_mm = center;
+  end.center_mm += last * end.normal;
   return end;
 }
 
@@ -289,7 +329,9 @@ std::vector<VesselEnd> find_vessel_ends(const Mask& mask, const Mask& start) {
   auto ends = tips_from(lumen, geodesic_distance(lumen, sources), shell_thickness(mask.grid)).ends;
   Volume<float> sampled(mask.grid);
   std::copy(mask.voxels.begin(), mask.voxels.end(), sampled.voxels.begin());
-  for (auto& end : ends) end = moved_to_last_section(sampled, end);
+  const auto& s = mask.grid.spacing_mm;
+  sampled = image::gaussian(sampled, 0.7 * std::max({s.x, s.y, s.z}));  // meshes round the vessel's own end as much
+  for (auto& end : ends) end = moved_to_last_section(sampled, turned_across_sections(sampled, end));
   return ends;
 }
 

@@ -126,7 +126,7 @@ TEST_F(EndToEnd, GetComparesWithThePublishedChecksum) {
   EXPECT_EQ(unpublished.exit_code, 0) << unpublished.errors;
   EXPECT_NE(unpublished.output.find("no checksum"), std::string::npos) << unpublished.output;
   ASSERT_EQ(std::system(("cd " + folder() + " && sha256sum published.tar.zst > published.tar.zst.sha256").c_str()), 0);
-  for (const std::string source : {"published.tar.zst", "file://" + folder() + "/published.tar.zst"}) {
+  for (const auto& source : {std::string("published.tar.zst"), "file://" + folder() + "/published.tar.zst"}) {
     const std::string name = "got_" + std::to_string(source.size());
     const auto got = get(source + " " + name);
     EXPECT_EQ(got.exit_code, 0) << got.errors;

@@ -105,6 +105,7 @@ TEST(LabelPresets, NumberTheStructuresAsTheirProgramsDo) {
 TEST(LabelPresets, OwnTagsMeanThemselves) {
   const auto& own = label_preset("heartgen");
   for (const auto& row : region_table()) {
+    if (is_annulus(static_cast<Region>(row.tag))) continue;  // of meshes alone
     EXPECT_EQ(tag(own.values.at(row.tag).region), row.tag);
     EXPECT_EQ(tag(own.names.at(std::string(row.name))), row.tag);
   }

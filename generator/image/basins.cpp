@@ -36,7 +36,7 @@ struct Forest {
     if (a == b) return;
     if (peak[static_cast<std::size_t>(a)] < peak[static_cast<std::size_t>(b)]) std::swap(a, b);
     const float lower = peak[static_cast<std::size_t>(b)];
-    if (lower <= settings.shallow_mm || lower - saddle < settings.min_drop_mm ||
+    if (lower <= settings.peak_level_mm || lower - saddle < settings.noise_drop_mm ||
         saddle > settings.join_above_ratio * lower)
       parent[static_cast<std::size_t>(b)] = a;
   }
@@ -92,7 +92,7 @@ Volume<std::int32_t> flood(const Volume<float>& depth, const BasinSettings& sett
   }
   for (auto& l : label.voxels) {
     const auto root = l < 0 ? -1 : forest.root(l);
-    l = root < 0 || forest.peak[static_cast<std::size_t>(root)] <= settings.shallow_mm ? 0 : root + 1;
+    l = root < 0 || forest.peak[static_cast<std::size_t>(root)] <= settings.peak_level_mm ? 0 : root + 1;
   }
   return label;
 }

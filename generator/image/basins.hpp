@@ -30,8 +30,8 @@ struct Basins {
 
 /// Which basins are joined where they meet. The defaults part the chambers of a heart on a grid of 1.5 mm.
 struct BasinSettings {
-  float shallow_mm = 4;           ///< peaks below are no chamber and no great vessel: they join what they meet
-  float min_drop_mm = 0.75;       ///< half a voxel: below is the noise of a distance on a grid
+  float peak_level_mm = 4;        ///< peaks below are no chamber and no great vessel: they join what they meet
+  float noise_drop_mm = 0.75;     ///< half a voxel: below is the noise of a distance on a grid
   float join_above_ratio = 0.88;  ///< way / narrower basin. Valves: 0.5 to 0.8; trabeculated chambers: above 0.9
 };
 

@@ -171,7 +171,7 @@ namespace {
 /// How many nodes stay off their plane because a cell would fall below `min_quality`.
 std::int64_t put_on_planes(tetmesh::Complex& c, const MeshDomain& domain, const std::vector<HeartEnd>& ends,
                            double min_quality) {
-  constexpr double on_plane_mm = 1e-6;
+  constexpr double plane_tolerance_mm = 1e-6;
   const Vec3& s = domain.grid.spacing_mm;
   std::int64_t off = 0;
   c.frozen.assign(c.nodes_mm.size(), 0);
@@ -192,7 +192,7 @@ std::int64_t put_on_planes(tetmesh::Complex& c, const MeshDomain& domain, const 
       const bool fits = tetmesh::worst_quality(c, c.star(node)) >= std::min(before, min_quality);
       c.frozen[n] = fits ? 1 : 0;
       if (!fits) move_to(old);
-      off += !fits && std::abs(beyond) > on_plane_mm ? 1 : 0;
+      off += !fits && std::abs(beyond) > plane_tolerance_mm ? 1 : 0;
     }
   }
   return off;

@@ -139,11 +139,12 @@ void join_walls(LabelledCells& cells, bool has_torso) {
 
 /// What a face of a vessel against a stub is called: an end, or the vessel's wall beside another vessel's stub.
 std::int32_t surface_at_stub(const TetMesh& mesh, const Face& face, Region vessel, const std::vector<HeartEnd>& ends) {
-  constexpr double on_plane_mm = 0.5;
+  constexpr double plane_tolerance_mm = 0.5;
   Vec3 center;
   for (const auto node : face) center += mesh.nodes_mm[static_cast<std::size_t>(node)] / 3;
   const auto* end = nearest_end(ends, vessel, center);
-  const bool is_end = end != nullptr && std::abs(dot(center - end->plane.center_mm, end->plane.normal)) < on_plane_mm;
+  const bool is_end =
+      end != nullptr && std::abs(dot(center - end->plane.center_mm, end->plane.normal)) < plane_tolerance_mm;
   return is_end ? end->surface : surface_between(vessel, Region::torso);
 }
 
@@ -165,12 +166,18 @@ void settle_ends(TetMesh& mesh, const std::vector<HeartEnd>& ends) {
   mesh.surface.resize(kept);
 }
 
+/// "aorta_end", "aorta_end_2", and not "lv_endocardium".
+bool is_end(std::int32_t surface) {
+  const auto name = surface_name(surface);
+  return name.ends_with("_end") || name.find("_end_") != std::string::npos;
+}
+
 void add_rims(TetMesh& mesh) {
   std::vector<std::int32_t> surfaces;
   for (const auto* name : {"mitral_orifice", "aortic_orifice", "tricuspid_orifice", "pulmonary_orifice"})
     surfaces.push_back(*surface_from_name(name));
   std::set<std::int32_t> ends(mesh.surface.begin(), mesh.surface.end());
-  std::erase_if(ends, [](std::int32_t surface) { return surface_name(surface).find("_end") == std::string::npos; });
+  std::erase_if(ends, [](std::int32_t surface) { return !is_end(surface); });
   surfaces.insert(surfaces.end(), ends.begin(), ends.end());
   for (const auto surface : surfaces)
     if (auto rim = rim_of(mesh, surface); !rim.nodes.empty()) mesh.rims.push_back(std::move(rim));

@@ -153,10 +153,10 @@ std::optional<double> height_at(std::array<Vec3, 3> t, double x, double y) {
 
 /// Throws UserError for a surface that is no patient's.
 Grid grid_around(const TriangleSurface& surface, double voxel_mm, const std::string& path) {
-  constexpr double max_voxels = 64e6, max_mm = 2000;
+  constexpr double max_voxels = 64e6, max_grid_mm = 2000;
   const auto [low, high] = bounding_box(surface.points);
   const Vec3 extent = high - low;
-  if (const double widest = std::max({extent.x, extent.y, extent.z}); widest > max_mm)
+  if (const double widest = std::max({extent.x, extent.y, extent.z}); widest > max_grid_mm)
     throw UserError(fmt::format("is {:.3g} mm wide", widest), path, "give a surface in mm, in the frame LPS");
   double h = voxel_mm;
   while ((extent.x / h + 1) * (extent.y / h + 1) * (extent.z / h + 1) > max_voxels) h *= 1.1;

@@ -22,7 +22,7 @@ FUZZ_SECONDS := 60
 FUZZ_KINDS := $(notdir $(wildcard tests/fuzz/corpus/*))
 
 # Debian packages and a tarball with all libraries, in dist/.
-VERSION := $(shell sed -n 's/^project(heartgen VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+VERSION := $(shell awk '/^project.heartgen VERSION/ {print $$3}' CMakeLists.txt)
 PARTS := heartgen heartgen-tetgen heartgen_shared heartgen_python manual
 
 .PHONY: all deb tarball first-minutes lab demo test test-clients test-machines chaos bench rooms asan tsan fuzz docs format check tidy clean

@@ -24,6 +24,7 @@
 #include "generator/labels/judge.hpp"
 #include "generator/landmarks/judge.hpp"
 #include "generator/landmarks/search.hpp"
+#include "generator/mesh/heart_ends.hpp"
 #include "generator/mesh/mesh_heart.hpp"
 #include "generator/mesh/walls.hpp"
 #include "generator/painting/region_masks.hpp"
@@ -352,7 +353,8 @@ int mesh_command(const MeshCommand& command) {
     fmt::print(stderr, "  {:<8} {:7.2f} s\n", step, seconds);
     std::fflush(stderr);
   };
-  const LabelVolume labels = labels_to_mesh(command);
+  LabelVolume labels = labels_to_mesh(command);
+  if (!command.walls) mesh::cut_at_ends(labels);
   pipeline::check_memory(labels, settings, memory_bytes());
   Volume<float> own_edges_mm;
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);

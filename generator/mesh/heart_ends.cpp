@@ -153,6 +153,27 @@ std::vector<HeartEnd> find_heart_ends(const LabelVolume& labels) {
   return all;
 }
 
+void cut_at_ends(LabelVolume& labels) {
+  const auto ends = find_heart_ends(labels);
+  const bool has_torso =
+      std::find(labels.voxels.begin(), labels.voxels.end(), tag(Region::torso)) != labels.voxels.end();
+  const std::uint8_t surroundings = has_torso ? tag(Region::torso) : tag(Region::none);
+  const auto& size = labels.grid.size;
+  std::size_t v = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+    for (std::int64_t j = 0; j < size[1]; ++j)
+      for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
+        const auto vessel = static_cast<Region>(labels.voxels[v]);
+        if (vessel != Region::aorta && vessel != Region::pulmonary_artery) continue;
+        const Vec3 at =
+            lps_from_index(labels.grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        const bool is_beyond = std::any_of(ends.begin(), ends.end(), [&](const HeartEnd& end) {
+          return end.vessel == vessel && beyond_mm(end.plane, at) > 0 && is_near(end.plane, at, 0);
+        });
+        if (is_beyond) labels.voxels[v] = surroundings;
+      }
+}
+
 tetmesh::Materials with_ends(const MeshDomain& domain, tetmesh::Materials materials, const std::vector<HeartEnd>& ends,
                              double stub_mm) {
   if (ends.empty()) return materials;
@@ -215,6 +236,7 @@ void flatten_ends(tetmesh::Complex& complex, const tetmesh::Materials& materials
   }
   put_on_planes(complex, domain, ends, kept_quality);
   complex.frozen.clear();
+  tetmesh::compress(complex);
 }
 
 const HeartEnd* nearest_end(const std::vector<HeartEnd>& ends, Region vessel, const Vec3& lps_mm) {

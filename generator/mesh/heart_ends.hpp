@@ -23,6 +23,10 @@ struct HeartEnd {
 /// alone is called aorta_end or pulmonary_artery_end, several are numbered from the patient's left to the right.
 std::vector<HeartEnd> find_heart_ends(const LabelVolume& labels);
 
+/// Gives what of the arteries lies beyond their ends, their ragged or rounded tips, to the torso, or to nothing where
+/// there is none: a label map then ends where its meshes do.
+void cut_at_ends(LabelVolume& labels);
+
 /// Of the pieces of vessels beyond their ends that are meshed and then given to the torso or dropped.
 constexpr int artery_stub_label = 20;
 

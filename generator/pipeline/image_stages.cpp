@@ -19,6 +19,7 @@
 #include "generator/labels/judge.hpp"
 #include "generator/landmarks/judge.hpp"
 #include "generator/landmarks/search.hpp"
+#include "generator/mesh/heart_ends.hpp"
 #include "generator/pde/diffusion.hpp"
 #include "generator/pde/hierarchy.hpp"
 #include "generator/pipeline/check_inputs.hpp"
@@ -299,8 +300,10 @@ Noted<LabelVolume> make_body(const Build& b) {
 }
 
 Noted<LabelVolume> make_labels(const Build& b) {
-  if (!makes_parts(b)) return {*b.given};
-  return {labels::with_all_given(anatomy::fuse_labels(*b.chambers, *b.walls, *b.body), b.kept)};
+  auto labels =
+      makes_parts(b) ? labels::with_all_given(anatomy::fuse_labels(*b.chambers, *b.walls, *b.body), b.kept) : *b.given;
+  mesh::cut_at_ends(labels);
+  return {std::move(labels)};
 }
 
 /// On which chambers and body depend.

@@ -15,7 +15,8 @@ using namespace heartgen;
 TetMesh ventricles_of(const LabelVolume& labels, double edge_mm) {
   MeshSettings settings;
   settings.heart_edge_mm = edge_mm;
-  return only_regions(mesh_walls(labels, settings), regions_named(std::vector<std::string>{"walls"}));
+  settings.blood_edge_mm = settings.torso_edge_mm = 8;
+  return only_regions(mesh_labels(labels, settings), regions_named(std::vector<std::string>{"walls"}));
 }
 
 }  // namespace

@@ -217,7 +217,8 @@ class Mesh:
         if self.faces is None:
             return dolfinx.mesh.meshtags(mesh, 2, np.empty(0, np.int32), np.empty(0, np.int32))
         entities = np.ascontiguousarray(self.faces, np.int64)
-        local, values = dolfinx.cpp.io.distribute_entity_data(mesh, 2, entities, self.face_tags)
+        own = getattr(mesh, "_cpp_object", None) or getattr(mesh, "_mesh", mesh)  # from 0.6 on; 0.5
+        local, values = dolfinx.cpp.io.distribute_entity_data(own, 2, entities, self.face_tags)
         return dolfinx.mesh.meshtags_from_entities(mesh, 2, dolfinx.cpp.graph.AdjacencyList_int32(local), values)
 
 

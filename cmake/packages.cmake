@@ -17,6 +17,7 @@ install(FILES ${manual}/completions/heartgen DESTINATION ${CMAKE_INSTALL_DATADIR
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME heartgen)
 set(CPACK_PACKAGE_VENDOR "heartgen")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
 set(CPACK_PACKAGE_CONTACT "The heartgen developers <heartgen@example.org>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -33,7 +34,10 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+# New libraries are found from then on.
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/triggers)
 set(exactly "(= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 
 # heartgen_deb(COMPONENT PACKAGE SECTION section DEPENDS "..." ONE "first line of the description" MORE "the rest")
@@ -48,12 +52,11 @@ function(heartgen_deb component package)
 endfunction()
 heartgen_deb(program heartgen SECTION science
   ONE "simulation-ready heart models from a CT"
-  MORE "From a contrast-enhanced CT, or a segmentation of it, to tetrahedral meshes of\nthe heart with fibres, labelled surfaces and a certificate of quality; exports\nfor solvers of electrophysiology, mechanics and flow.")
+  MORE "From a contrast-enhanced CT, or a segmentation of it, to tetrahedral meshes of\nthe heart with fibres, labelled surfaces and a certificate of quality, exports\nfor solvers of electrophysiology, mechanics and flow.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "openmpi-bin")
 heartgen_deb(runtime libheartgen${soversion} SECTION libs
   ONE "heart models from a CT: shared library"
   MORE "The functions of heartgen as a library: filters by partial differential\nequations, segmentation, meshes of label maps, fibres, checks and exports.")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
 heartgen_deb(dev libheartgen-dev SECTION libdevel DEPENDS "libheartgen${soversion} ${exactly}"
   ONE "heart models from a CT: headers"
   MORE "The functions of heartgen as a library: headers, files for CMake and\npkg-config, and examples.")

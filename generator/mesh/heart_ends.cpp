@@ -153,7 +153,8 @@ std::vector<HeartEnd> find_heart_ends(const LabelVolume& labels) {
   return all;
 }
 
-void cut_at_ends(LabelVolume& labels) {
+std::map<Region, double> cut_at_ends(LabelVolume& labels) {
+  std::map<Region, double> cut_ml;
   const auto ends = find_heart_ends(labels);
   const bool has_torso =
       std::find(labels.voxels.begin(), labels.voxels.end(), tag(Region::torso)) != labels.voxels.end();
@@ -170,8 +171,11 @@ void cut_at_ends(LabelVolume& labels) {
         const bool is_beyond = std::any_of(ends.begin(), ends.end(), [&](const HeartEnd& end) {
           return end.vessel == vessel && beyond_mm(end.plane, at) > 0 && is_near(end.plane, at, 0);
         });
-        if (is_beyond) labels.voxels[v] = surroundings;
+        if (!is_beyond) continue;
+        labels.voxels[v] = surroundings;
+        cut_ml[vessel] += labels.grid.voxel_volume_mm3() / 1000;
       }
+  return cut_ml;
 }
 
 tetmesh::Materials with_ends(const MeshDomain& domain, tetmesh::Materials materials, const std::vector<HeartEnd>& ends,

@@ -3,6 +3,7 @@
 /// Where the great vessels of a heart end: planes across them, as surfaces of their own.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "generator/mesh/domain.hpp"
@@ -24,8 +25,8 @@ struct HeartEnd {
 std::vector<HeartEnd> find_heart_ends(const LabelVolume& labels);
 
 /// Gives what of the arteries lies beyond their ends, their ragged or rounded tips, to the torso, or to nothing where
-/// there is none: a label map then ends where its meshes do.
-void cut_at_ends(LabelVolume& labels);
+/// there is none: a label map then ends where its meshes do. Returns how much that was, by artery.
+std::map<Region, double> cut_at_ends(LabelVolume& labels);  // ml
 
 /// Of the pieces of vessels beyond their ends that are meshed and then given to the torso or dropped.
 constexpr int artery_stub_label = 20;

@@ -73,7 +73,7 @@ TEST_F(EndToEnd, ValidateLosesNoRowOfTheBuild) {
     EXPECT_EQ(std::ranges::count_if(rows(), is_it), 1) << row;
     groups.insert(row["group"].get<std::string>());
   }
-  EXPECT_EQ(groups, (std::set<std::string>{"anatomy", "fibers", "fit", "labels", "mesh"}));
+  EXPECT_EQ(groups, (std::set<std::string>{"anatomy", "cavities", "fibers", "fit", "insulation", "labels", "mesh"}));
 }
 
 TEST_F(EndToEnd, LabelsAgreeWithTheTruth) {
@@ -205,7 +205,9 @@ TEST_F(EndToEnd, GivenLabelsReplaceTheSegmentation) {
   int compared = 0;
   for (const auto& row : certificate["rows"])
     if (row["metric"] == "dice") {
-      EXPECT_GE(row["value"].get<double>(), 0.999) << row["scope"] << ": but for a voxel that stands alone";
+      // But for a voxel that stands alone, and the rounded tips of arteries beyond their flat ends.
+      const bool is_artery = row["scope"] == "aorta" || row["scope"] == "pulmonary_artery";
+      EXPECT_GE(row["value"].get<double>(), is_artery ? 0.98 : 0.999) << row["scope"];
       ++compared;
     }
   EXPECT_GT(compared, 10);
@@ -296,6 +298,8 @@ TEST_F(StagesByHand, KeptFilesGivenBackChangeNothingAndCorrectedOnesAreUsed) {
             std::string::npos);
 }
 
+bool is_artery(Region region) { return region == Region::aorta || region == Region::pulmonary_artery; }
+
 TEST_F(StagesByHand, ChambersFromElsewhereGetTheirWallsFromTheCt) {
   const LabelVolume truth = labels("phantom/truth/labels.nii.gz");
   Volume<std::int16_t> mm_whs(truth.grid);
@@ -309,8 +313,10 @@ TEST_F(StagesByHand, ChambersFromElsewhereGetTheirWallsFromTheCt) {
   write_recipe("mm_whs.toml", "[labels]\npreset = \"mm_whs\"\n");
   build("mm_whs.toml --labels mm_whs.nrrd --no-cache");
   const LabelVolume result = labels("by_hand/images/labels.nii.gz");
-  // What is given stays but for islands below a hundredth of their region, which take the label around them.
-  for (const auto& [region, value] : values) EXPECT_GE(dice(result, truth, region), 0.999) << value;
+  // What is given stays but for the tips of arteries beyond their flat ends, and for islands below a hundredth of their
+  // region, which take the label around them.
+  for (const auto& [region, value] : values)
+    EXPECT_GE(dice(result, truth, region), is_artery(region) ? 0.95 : 0.999) << value;
   EXPECT_GE(dice(result, truth, Region::rv_myocardium), 0.7);
   EXPECT_GE(dice(result, truth, Region::lung), 0.95);
   EXPECT_GE(dice(result, truth, Region::torso), 0.9);  // what the CT-made lung and bone leave
@@ -333,7 +339,10 @@ TEST_F(StagesByHand, LabelsWithoutACt) {
   const auto told = build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");
   const auto result = labels("by_hand/images/labels.nii.gz"), truth = labels("phantom/truth/labels.nii.gz");
   std::size_t dropped = 0;
-  for (std::size_t v = 0; v < truth.voxels.size(); ++v) dropped += result.voxels[v] != truth.voxels[v];
+  for (std::size_t v = 0; v < truth.voxels.size(); ++v)
+    dropped += result.voxels[v] != truth.voxels[v] && !is_artery(static_cast<Region>(truth.voxels[v]));
+  for (const Region artery : {Region::aorta, Region::pulmonary_artery}) EXPECT_GE(dice(result, truth, artery), 0.95);
+  EXPECT_NE(told.find("beyond its flat end"), std::string::npos) << told;
   EXPECT_LE(dropped, 4U) << "voxels of the thin atrial walls stand alone in the truth";
   EXPECT_EQ(dropped > 0, told.find("were dropped") != std::string::npos) << told;
 }

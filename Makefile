@@ -80,14 +80,25 @@ tarball: parts
 demo/bundle.tar.zst: demo/bundle/manifest.json
 	rm -f $@ && $(HEARTGEN) pack demo/bundle $@
 
-# What is published, in dist/; RELEASE.md says how.
+# What is published, in dist/; RELEASE.md says how. A real heart too where a scan, an atlas and whose they are is given:
+#   make release SCAN=ct.nii.gz ATLAS=heart.vtk ATTRIBUTION="Patient 1 of ..., CC BY 3.0; atlas of ..., MPL-2.0"
 RELEASED := dist/heartgen-$(VERSION)
-.PHONY: release
+.PHONY: release released-heart
+ifneq ($(SCAN),)
+release: released-heart
+released-heart: demo/bundle.tar.zst
+	@test -n "$(ATLAS)" && test -n "$(ATTRIBUTION)" || { echo "make release: give ATLAS and ATTRIBUTION with SCAN" >&2; exit 2; }
+	mkdir -p dist demo/heart
+	printf 'name = "heart"\nversion = "%s"\nattribution = "%s"\n' "$(VERSION)" "$(ATTRIBUTION)" > demo/heart/recipe.toml
+	$(HEARTGEN) build demo/heart/recipe.toml --ct "$(SCAN)" --atlas "$(ATLAS)" --output demo/heart/bundle --force
+	rm -f $(RELEASED)-heart.tar.zst && $(HEARTGEN) pack demo/heart/bundle $(RELEASED)-heart.tar.zst
+	packaging/pack_exports $(HEARTGEN) demo/heart/bundle $(RELEASED)-heart-exports.tar.zst
+	cd dist && sha256sum heartgen-$(VERSION)-heart.tar.zst > heartgen-$(VERSION)-heart.tar.zst.sha256
+endif
 release: deb tarball demo/bundle.tar.zst
 	git archive --prefix=heartgen-$(VERSION)/ HEAD | gzip -9n > $(RELEASED).tar.gz
 	cp demo/bundle.tar.zst $(RELEASED)-phantom.tar.zst
-	rm -rf demo/released && $(HEARTGEN) export demo/bundle --to opencarp,xdmf,openfoam --output demo/released > demo/released.txt
-	tar --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 -C demo/released -c . | zstd -19 -q -f -o $(RELEASED)-phantom-exports.tar.zst
+	packaging/pack_exports $(HEARTGEN) demo/bundle $(RELEASED)-phantom-exports.tar.zst
 	cd dist && sha256sum heartgen-$(VERSION)-phantom.tar.zst > heartgen-$(VERSION)-phantom.tar.zst.sha256
 	cd dist && sha256sum *.deb *.tar.gz *.tar.zst > SHA256SUMS
 	@ls -l dist; cat dist/SHA256SUMS

@@ -35,6 +35,7 @@ struct Bundle {
   std::string version;
   std::string license;  ///< SPDX identifier
   std::string author;
+  std::string attribution;               ///< of the data the model is made from; may be empty
   std::string date_published;            ///< YYYY-MM-DD from the recipe; may be empty
   std::string recipe;                    ///< recipe.toml with every default, input folders dropped
   std::string atlas;                     ///< one sentence on where the fibres come from; empty: no fibres
@@ -81,7 +82,7 @@ struct ManifestFile {
 
 /// manifest.json
 struct Manifest {
-  std::string schema, name, version, license, author, date_published, content_id, unit, frame, atlas;
+  std::string schema, name, version, license, author, attribution, date_published, content_id, unit, frame, atlas;
   std::map<std::string, std::int32_t> regions;             ///< name: tag, those that occur in a mesh
   std::map<std::string, std::int32_t> surfaces;            ///< name: tag
   std::map<std::string, std::int32_t> rims;                ///< name: tag

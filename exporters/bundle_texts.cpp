@@ -223,6 +223,7 @@ Json crate_root(const Manifest& manifest, const Json& files, const Json& authors
             {"version", manifest.version}};
   // RO-Crate wants a date, but a wrong one is worse than none: whoever publishes gives it in the recipe.
   if (is_date(manifest.date_published)) root["datePublished"] = manifest.date_published;
+  if (!manifest.attribution.empty()) root["creditText"] = manifest.attribution;
   root.update({{"license", {{"@id", license_url(manifest.license)}}},
                {"author", references(authors)},
                {"hasPart", references(files)},
@@ -247,6 +248,7 @@ std::string readme_text(const Manifest& manifest) {
         fmt::format(fmt::runtime(readme_loading),
                     manifest.meshes.count("myocardium") ? std::string("myocardium") : manifest.meshes.begin()->first);
   text += "## Fibres\n\n" + (manifest.atlas.empty() ? std::string("No atlas is named.") : manifest.atlas) + "\n\n";
+  if (!manifest.attribution.empty()) text += "## Made from\n\n" + manifest.attribution + "\n\n";
   text += fmt::format("## Licence\n\n{}, see `LICENSE`. How to cite: `CITATION.cff`.\n", manifest.license);
   return text;
 }
@@ -257,6 +259,7 @@ std::string license_text(const Manifest& manifest) {
   std::string text = fmt::format("{} {}\nAuthor: {}\nSPDX-License-Identifier: {}\n", manifest.name, manifest.version,
                                  owners, manifest.license);
   if (is_spdx(manifest.license)) text += "Full text: " + license_url(manifest.license) + "\n";
+  if (!manifest.attribution.empty()) text += "\nMade from: " + manifest.attribution + "\n";
   text += "\nThe terms of the scan and of the atlas that the model was made from apply beside this licence.\n";
   return text;
 }

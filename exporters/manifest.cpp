@@ -113,6 +113,7 @@ Json manifest_json(const Manifest& m) {
                {"regions", m.regions}, {"surfaces", m.surfaces}, {"rims", m.rims},
                {"meshes", m.meshes},   {"files", m.files},       {"content_id", m.content_id},
                {"inputs", m.inputs},   {"tools", m.tools}};
+  if (!m.attribution.empty()) json["attribution"] = m.attribution;
   if (!m.user_regions.empty()) json["user_regions"] = m.user_regions;
   if (!m.caps.empty()) json["caps"] = m.caps;
   if (!m.torso_from_heart.empty()) json["torso_from_heart"] = m.torso_from_heart;
@@ -141,6 +142,7 @@ Manifest manifest_from(const Json& json) {
   json.at("version").get_to(m.version);
   json.at("license").get_to(m.license);
   json.at("author").get_to(m.author);
+  m.attribution = json.value("attribution", "");
   json.at("date_published").get_to(m.date_published);
   json.at("atlas").get_to(m.atlas);
   json.at("unit").get_to(m.unit);
@@ -204,6 +206,7 @@ Manifest describe_bundle(const Bundle& bundle) {
   m.version = bundle.version;
   m.license = printable(bundle.license);
   m.author = printable(bundle.author);
+  m.attribution = printable(bundle.attribution);
   m.date_published = bundle.date_published;
   m.atlas = printable(bundle.atlas);
   m.unit = "mm";

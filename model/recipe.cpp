@@ -339,6 +339,7 @@ Recipe read_recipe(const std::string& path) {
                             {"version", &recipe.version},
                             {"license", &recipe.license},
                             {"author", &recipe.author},
+                            {"attribution", &recipe.attribution},
                             {"date_published", &recipe.date_published}})
     top.take(key, *value);
   top.take("synthetic_image", recipe.synthetic_image);
@@ -375,6 +376,7 @@ std::string write_recipe(const Recipe& recipe, bool file_names_only) {
                                    {"version", recipe.version},
                                    {"license", recipe.license},
                                    {"author", recipe.author},
+                                   {"attribution", recipe.attribution},
                                    {"date_published", recipe.date_published}})
     text += fmt::format("{} = {}\n", key, toml_text(value));
   text += fmt::format("synthetic_image = {}\n", recipe.synthetic_image);

@@ -373,6 +373,7 @@ struct Recipe {
   std::string version = "1.0.0";
   std::string license = "CC-BY-4.0";
   std::string author;            // goes into CITATION.cff and RO-Crate
+  std::string attribution;       // of the scan and the atlas, as their licences ask
   std::string date_published;    // YYYY-MM-DD; the only date in a bundle
   bool synthetic_image = false;  // the CT is a phantom: the report says so
   InputSettings input;

@@ -159,6 +159,7 @@ exporters::Bundle describe_bundle(const Build& b) {
   bundle.version = recipe.version;
   bundle.license = recipe.license;
   bundle.author = recipe.author;
+  bundle.attribution = recipe.attribution;
   bundle.date_published = recipe.date_published;
   bundle.recipe = write_recipe(recipe, true);
   bundle.atlas = describe_atlas(recipe, *b.fibers);

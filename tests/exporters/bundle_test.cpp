@@ -56,6 +56,7 @@ Bundle sample_bundle() {
   bundle.certificate.rows = {{"mesh", "myocardium", "dihedral_min", 31.25, "deg", 5.0, std::nullopt},
                              {"fibers", "myocardium", "jump", 1.0 / 3, "deg", std::nullopt, 0.25}};
   bundle.report_html = "<html></html>";
+  bundle.attribution = "Patient 7 of the Example Archive, CC BY 3.0";
   bundle.inputs = {{"ct: patient.nii.gz", std::string(64, 'a'), 1234}};
   bundle.tools = {{"VTK", "9.1.0"}};
   bundle.logs["build.log"] = "took 3 s";
@@ -73,6 +74,9 @@ TEST(Bundle, ReadsBackWhatWasWritten) {
   EXPECT_EQ(manifest.frame, "LPS");
   EXPECT_EQ(manifest.inputs, bundle.inputs);
   EXPECT_EQ(manifest.tools, bundle.tools);
+  EXPECT_EQ(manifest.attribution, bundle.attribution);
+  for (const char* file : {"LICENSE", "README.md", "ro-crate-metadata.json"})
+    EXPECT_NE(bytes_of(folder / file).find(bundle.attribution), std::string::npos) << file;
   EXPECT_EQ(manifest.regions.at("lv_myocardium"), 1);
   EXPECT_EQ(manifest.surfaces.at("lv_endocardium"), *surface_from_name("lv_endocardium"));
   EXPECT_EQ(manifest.rims.at("lv_endocardium_rim"), 1000 + *surface_from_name("lv_endocardium"));

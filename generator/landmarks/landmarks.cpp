@@ -253,8 +253,8 @@ std::optional<naming::Naming> sure_names(const CtVolume& ct) {
   return std::nullopt;
 }
 
-/// What the names say of a result: where both differ, the one that looks more like a heart counts, and a heart that
-/// looks as good as the one that was named is not sure.
+/// What the names say of a result: where both give other names, the one that looks more like a heart counts. Where they
+/// differ in how far a chamber reaches the first stays, whose valves are the better ones. What is disputed is not sure.
 void ask_for_names(const Subject& subject, const CtVolume& ct, double plausible, std::optional<SearchResult>& best) {
   constexpr double disputed_keeps = 0.6;
   const auto named = sure_names(ct);
@@ -264,8 +264,8 @@ void ask_for_names(const Subject& subject, const CtVolume& ct, double plausible,
   try {
     const Scene scene = set_scene(subject, named->spine);
     auto by_name = landmarks_of(subject, scene, chambers_by_name(scene, *named));
-    const double other = best ? best->found.confidence : 0;
-    if (by_name.found.confidence > other || (by_name.found.confidence == other && !disputed.names.empty())) {
+    const bool may_replace = !best || best->found.confidence < plausible || !disputed.names.empty();
+    if (may_replace && (!best || by_name.found.confidence >= best->found.confidence)) {
       best = std::move(by_name);
       return;
     }

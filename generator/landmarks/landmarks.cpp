@@ -294,7 +294,6 @@ SearchResult search_until_plausible(Subject& subject, const CtVolume& ct) {
   } catch (const NotAHeart&) {
     refused = std::current_exception();
   }
-  ask_for_names(subject, ct, plausible, best);
   const double whole_image_hu = subject.bright_hu;
   const auto attempt_again = [&](bool midway, std::size_t ventricle_choice) {
     if (best && best->found.confidence >= plausible) return;
@@ -306,9 +305,12 @@ SearchResult search_until_plausible(Subject& subject, const CtVolume& ct) {
     }
   };
   attempt_again(true, 0);
-  if (!best) std::rethrow_exception(refused);  // mirrored images are refused, whatever else might do for a ventricle
-  attempt_again(false, 1);
-  attempt_again(true, 1);
+  if (best) {  // mirrored images are refused, whatever else might do for a ventricle
+    attempt_again(false, 1);
+    attempt_again(true, 1);
+  }
+  ask_for_names(subject, ct, plausible, best);
+  if (!best) std::rethrow_exception(refused);
   return std::move(*best);
 }
 

@@ -48,7 +48,7 @@ heartgen_room(naming FOLDER generator/naming
   DEPENDS model parallel image chest LIBRARIES fmt::fmt)
 heartgen_room(landmarks FOLDER generator/landmarks
   SENTENCE "Seeds, valve planes and the long axis found in a contrast-enhanced CT"
-  DEPENDS model parallel image anatomy chest LIBRARIES fmt::fmt)
+  DEPENDS model parallel image anatomy chest naming LIBRARIES fmt::fmt)
 heartgen_room(labels FOLDER generator/labels
   SENTENCE "Label maps from elsewhere: numberings, names, repair, and what they replace"
   DEPENDS model parallel adapters image LIBRARIES heartgen_itk heartgen_ceres ${json} fmt::fmt)

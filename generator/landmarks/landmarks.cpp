@@ -17,6 +17,7 @@
 #include "generator/landmarks/blood.hpp"
 #include "generator/landmarks/cut_ventricles.hpp"
 #include "generator/landmarks/faint_right_heart.hpp"
+#include "generator/landmarks/named_chambers.hpp"
 #include "generator/landmarks/right_heart.hpp"
 #include "generator/landmarks/search.hpp"
 #include "generator/landmarks/valves.hpp"
@@ -99,6 +100,32 @@ std::optional<Chambers> find_chambers(const Scene& scene, double fraction) {
   return chambers;
 }
 
+/// Whether the right heart's names follow from its grey value: a fainter one is found by its usual shape.
+bool is_bright(const naming::Naming& named) {
+  const auto& ventricle = named[naming::Name::rv];
+  return ventricle.ml > 0 && ventricle.hu > named.levels.muscle_hu + pool_contrast_hu;
+}
+
+/// The bodies that a labelling of all blood at once has named, within the borders of the local threshold.
+Chambers chambers_by_name(const Scene& scene, const naming::Naming& named) {
+  constexpr double fraction = 0.55;
+  const Mask bright = local_blood(scene.image, scene.contrast, fraction);
+  const Vec3 middle = middle_of_chambers(named);
+  const auto box = box_around_heart(scene.region.grid, middle);
+  Chambers chambers;
+  chambers.image = crop(scene.image, box);
+  const Mask region = crop(scene.region, box), by_name = named_blood(region.grid, named);
+  Mask blood = crop(bright, box);
+  for (std::size_t v = 0; v < blood.voxels.size(); ++v) blood.voxels[v] = blood.voxels[v] || by_name.voxels[v];
+  chambers.labels = named_chambers(heart_blood(blood, region, middle), named);
+  chambers.axis = find_long_axis(chambers.labels, chambers.image.smooth);
+  chambers.right.muscle_hu = named.levels.muscle_hu;
+  if (scene.spine.is_sure) chambers.left_of_spine_mm = middle.x - scene.spine.at(middle.z).x;
+  chambers.ventricle_certainty = 1;  // the labelling's margin says so
+  keep_main_pieces(chambers.labels);
+  return chambers;
+}
+
 Chambers find_chambers(const Scene& scene) {
   // The middle value separates most hearts; thin walls need a higher and weak contrast a lower one.
   for (const double fraction : {0.55, 0.45, 0.35})
@@ -169,8 +196,7 @@ Scene set_scene(const Subject& subject, const chest::Spine& spine) {
   return scene;
 }
 
-SearchResult search_in(const Subject& subject, const Scene& scene) {
-  Chambers chambers = find_chambers(scene);
+SearchResult landmarks_of(const Subject& subject, const Scene& scene, Chambers chambers) {
   SearchResult result;
   FoundLandmarks& found = result.found;
   if (const auto trachea = chest::find_trachea(subject.image.hu, scene.spine))
@@ -194,6 +220,10 @@ SearchResult search_in(const Subject& subject, const Scene& scene) {
   return result;
 }
 
+SearchResult search_in(const Subject& subject, const Scene& scene) {
+  return landmarks_of(subject, scene, find_chambers(scene));
+}
+
 /// A field of view that ends in the lungs may not hold the spine, and what was taken for it may be an atrium.
 SearchResult search_in(const Subject& subject) {
   constexpr double surely_unlike = 0.25, surely_like = 0.15;
@@ -213,11 +243,45 @@ double midway_hu(const Subject& subject) {
   return 0.5 * (enhanced_muscle_hu + set_scene(subject, subject.thorax.spine).contrast.blood_hu);
 }
 
+/// Nothing where the labelling is not sure of all its names.
+std::optional<naming::Naming> sure_names(const CtVolume& ct) {
+  try {
+    auto named = naming::name_blood(ct);
+    if (named.verdict == naming::Verdict::found && is_bright(named)) return named;
+  } catch (const UserError&) {  // the search's own refusal tells more
+  }
+  return std::nullopt;
+}
+
+/// What the names say of a result: where both give other names, the one that looks more like a heart counts. Where they
+/// differ in how far a chamber reaches the first stays, whose valves are the better ones. What is disputed is not sure.
+void ask_for_names(const Subject& subject, const CtVolume& ct, double plausible, std::optional<SearchResult>& best) {
+  constexpr double disputed_keeps = 0.6;
+  const auto named = sure_names(ct);
+  if (!named) return;
+  const auto disputed = best ? disputes(best->chambers, *named) : Disputes{};
+  if (best && best->found.confidence >= plausible && !disputed.any()) return;
+  try {
+    const Scene scene = set_scene(subject, named->spine);
+    auto by_name = landmarks_of(subject, scene, chambers_by_name(scene, *named));
+    const bool may_replace = !best || best->found.confidence < plausible || !disputed.names.empty();
+    if (may_replace && (!best || by_name.found.confidence >= best->found.confidence)) {
+      best = std::move(by_name);
+      return;
+    }
+  } catch (const UserError&) {  // the first result, or its refusal, tells more
+  }
+  if (!best || !disputed.any()) return;
+  best->found.confidence *= disputed_keeps;
+  for (const auto* sentences : {&disputed.names, &disputed.extents})
+    best->found.warnings.insert(best->found.warnings.end(), sentences->begin(), sentences->end());
+}
+
 /// The whole image's threshold is low where its bone or contrast is: muscle then joins the chambers, and something else
 /// is taken for the left ventricle. So is a right ventricle with the thicker wall. What does not look like a heart is
 /// therefore searched for again, with a threshold between muscle and blood and from the next best ventricle, and the
 /// most plausible result counts.
-SearchResult search_until_plausible(Subject& subject) {
+SearchResult search_until_plausible(Subject& subject, const CtVolume& ct) {
   constexpr double plausible = 0.4;  // a right heart as grey as muscle and a valve hidden in noise leave .42
   std::optional<SearchResult> best;
   std::exception_ptr refused;
@@ -241,9 +305,12 @@ SearchResult search_until_plausible(Subject& subject) {
     }
   };
   attempt_again(true, 0);
-  if (!best) std::rethrow_exception(refused);  // mirrored images are refused, whatever else might do for a ventricle
-  attempt_again(false, 1);
-  attempt_again(true, 1);
+  if (best) {  // mirrored images are refused, whatever else might do for a ventricle
+    attempt_again(false, 1);
+    attempt_again(true, 1);
+  }
+  ask_for_names(subject, ct, plausible, best);
+  if (!best) std::rethrow_exception(refused);
   return std::move(*best);
 }
 
@@ -277,7 +344,7 @@ SearchResult search(const CtVolume& ct) {
     Subject subject = make_subject(ct);
     subject.slanted = slanted;
     back_is_cut = subject.thorax.back_is_cut;
-    auto result = search_until_plausible(subject);
+    auto result = search_until_plausible(subject, ct);
     auto& warnings = result.found.warnings;
     if (slanted && !warnings.empty())
       warnings.insert(warnings.begin(), slant_remark(slant) + ": is that true of the patient?");

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "generator/chest/working_image.hpp"
 #include "generator/naming/verdict.hpp"
 
 namespace heartgen::naming {
@@ -19,6 +22,37 @@ LabelVolume names_of(const Pieces& pieces, const std::vector<Name>& names) {
   return volume;
 }
 
+/// A chamber is one body: pieces of its name that do not hang together with the most of it are something else, as far
+/// away as they may lie (bone or liver at the image's border).
+void drop_strays(const Problem& problem, std::vector<Name>& names) {
+  for (const Name chamber : {Name::lv, Name::la, Name::rv, Name::ra}) {
+    std::vector<std::vector<int>> bodies;
+    std::vector<std::uint8_t> is_seen(names.size(), 0);
+    for (std::size_t first = 0; first < names.size(); ++first) {
+      if (names[first] != chamber || is_seen[first]) continue;
+      auto& body = bodies.emplace_back(std::vector<int>{static_cast<int>(first)});
+      is_seen[first] = 1;
+      for (std::size_t next = 0; next < body.size(); ++next)
+        for (const auto& neighbour : problem.pieces[static_cast<std::size_t>(body[next])].neighbours) {
+          const auto n = static_cast<std::size_t>(neighbour.piece);
+          if (names[n] != chamber || is_seen[n]) continue;
+          is_seen[n] = 1;
+          body.push_back(neighbour.piece);
+        }
+    }
+    const auto voxels = [&](const std::vector<int>& body) {
+      Whole sum = 0;
+      for (const int piece : body) sum += problem.pieces[static_cast<std::size_t>(piece)].voxels;
+      return sum;
+    };
+    const auto most = std::max_element(bodies.begin(), bodies.end(),
+                                       [&](const auto& a, const auto& b) { return voxels(a) < voxels(b); });
+    for (auto body = bodies.begin(); body != bodies.end(); ++body)
+      if (body != most)
+        for (const int piece : *body) names[static_cast<std::size_t>(piece)] = Name::other;
+  }
+}
+
 double mirrored_energy(const Problem& problem) {
   const Problem exchanged = mirrored(problem);
   const auto names = solve(exchanged, mirror_effort);
@@ -30,6 +64,7 @@ double mirrored_energy(const Problem& problem) {
 Naming name_blood(const CtVolume& ct) {
   const Scene scene = make_scene(ct);
   Naming naming;
+  naming.spine = scene.spine;
   naming.levels = find_levels(scene.smooth, scene.room);
   if (!naming.levels.has_contrast()) {
     naming.reasons = {
@@ -46,9 +81,13 @@ Naming name_blood(const CtVolume& ct) {
     naming.reasons = {"no blood deep between the lungs has a shell of muscle around it, as the left ventricle has"};
     return naming;
   }
-  const auto [solution, margins] = judge_margins(problem, std::move(names));
+  auto [solution, margins] = judge_margins(problem, std::move(names));
+  drop_strays(problem, solution.names);
   const Labelling labelling(problem, solution.names);
   naming.names = names_of(pieces, solution.names);
+  naming.others = chest::mask_where(naming.names.grid, [&](const Vec3&, std::size_t v) {
+    return pieces.label.voxels[v] > 0 && naming.names.voxels[v] == 0;
+  });
   naming.terms = labelling.terms();
   naming.mirrored_energy = mirrored_energy(problem);
   for (int n = 0; n < name_count; ++n) {

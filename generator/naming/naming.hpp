@@ -27,6 +27,8 @@ struct Naming {
   std::vector<std::string> reasons;  ///< why not `found`, in words, the weightiest first
   std::array<NamedBody, name_count> bodies{};
   LabelVolume names;  ///< values of Name, on a grid of 2 mm along the LPS axes around the room; empty without contrast
+  Mask others;        ///< pieces of other blood, on the same grid
+  chest::Spine spine;
   Levels levels;
   int pieces = 0;
   Terms terms;                 ///< of the labelling's cost

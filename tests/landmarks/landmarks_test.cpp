@@ -12,6 +12,7 @@
 #include "generator/adapters/itk_io.hpp"
 #include "generator/anatomy/padding.hpp"
 #include "generator/image/statistics.hpp"
+#include "generator/landmarks/judge.hpp"
 #include "generator/parallel/threads.hpp"
 #include "model/crop.hpp"
 #include "model/error.hpp"
@@ -477,7 +478,13 @@ TEST(RealScans, UngatedChestCtWithLessContrast) {
   for (const double share : {0.7, 0.5}) {
     const FoundLandmarks found = find_in_scan(thinned_contrast(ct, share));
     expect_near(found, ungated_chest_ct());
-    EXPECT_GT(found.confidence, 0.7) << share;
+    // Unmixed blood is left out of the right atrium: a second search finds more of it, and the result is not sure.
+    EXPECT_GE(found.confidence, min_confidence) << share;
+    EXPECT_EQ(found.confidence < min_sound_confidence,
+              std::any_of(
+                  found.warnings.begin(), found.warnings.end(),
+                  [](const auto& warning) { return warning.starts_with("of the right atrium one search"); }))
+        << share;
   }
 }
 

@@ -21,16 +21,17 @@ def doc_of(node):
             lines += ["```"]
             in_example = False
         in_example = in_example or starts
-        lines.append(line.replace("  # doctest: +SKIP", "").rstrip())
+        line = line.replace("  # doctest: +SKIP", "").rstrip()
+        lines.append(line if in_example else line.replace("``", "`"))
     return "\n".join(lines + (["```"] if in_example else []))
 
 
 def signature(node):
-    arguments = ast.unparse(node.args)
+    """On one line where it fits, else an argument a line."""
     returns = f" -> {ast.unparse(node.returns)}" if node.returns else ""
-    parts = [part for part in arguments.split(", ") if part not in ("self", "cls")]
-    line = f"{node.name}({', '.join(parts)}){returns}"
-    return line if len(line) < 100 or not parts else f"{node.name}(\n    " + ",\n    ".join(split_arguments(node)) + f",\n){returns}"
+    arguments = split_arguments(node)
+    line = f"{node.name}({', '.join(arguments)}){returns}"
+    return line if len(line) < 100 else f"{node.name}(\n    " + ",\n    ".join(arguments) + f",\n){returns}"
 
 
 def split_arguments(node):

@@ -10,6 +10,12 @@ MEMBER = re.compile(r"^  (?:std::vector<)?(\w+)>? (\w+)\W", re.MULTILINE)
 TOP = {"name": "of the model, for its citation", "version": "of the model", "license": "of the bundle",
        "author": "for the citation; `;` between several", "date_published": "YYYY-MM-DD, the only date in a bundle",
        "synthetic_image": "the CT is a phantom: the report says so"}
+FREE = {"labels.regions": 'A region\'s name and what means it: `lv_blood = [500, "left ventricle"]`, values or names. They go '
+                          "before the preset.",
+        "landmarks": "`lv_apex_mm = [x, y, z]` in LPS mm. What is not given is searched for in the CT.",
+        "landmarks.seeds_mm": "A point in each: `lv_blood = [x, y, z]` and so on. Valves are sections "
+                              "`[landmarks.valves.mitral]` with `center_mm`, `normal` and `radius_mm`. A file for "
+                              "`input.landmarks`, as `heartgen landmarks` writes it, holds all of these."}
 
 
 def introductions(header):
@@ -18,7 +24,7 @@ def introductions(header):
     recipe = header[header.index("struct Recipe {"):]
     found = {section: says[kind] for kind, section in MEMBER.findall(recipe) if kind in says}
     found["fibers.rule"] = says["RuleSettings"]
-    return found
+    return {section: cell(text) for section, text in found.items()} | FREE
 
 
 def cell(text):
@@ -42,7 +48,7 @@ def write_recipe_page(default_recipe, header, page):
             if not skipped:
                 seen.add(section)
                 lines += ["", f"## {bracket}{section}{bracket.replace('[', ']')}", ""]
-                lines += [cell(introduction[section]), ""] if section in introduction else []
+                lines += [introduction[section], ""] if section in introduction else []
         elif (found := KEY.match(line)) and not skipped:
             key, value, meaning = found.groups()
             if not in_table:

@@ -169,11 +169,12 @@ fuzz: build/fuzz.stamp
 format:
 	clang-format -i $$(git ls-files '*.hpp' '*.cpp')
 
-# README and the headers as a site, in build/docs/html.
-docs: build/docs.stamp
-	mkdir -p build/docs
-	doxygen docs/Doxyfile
-	@echo "Open build/docs/html/index.html ($$(wc -l < build/docs/warnings.txt) warnings in build/docs/warnings.txt)"
+# The documentation as a site that opens from disk, in build/docs/html.
+docs: build/docs.stamp program
+	cmake --build --preset release --parallel $(JOBS) --target heartgen_default_recipe
+	/usr/bin/python3 docs/site/build.py $(HEARTGEN) $(BUILD)/bin/heartgen_default_recipe build/docs
+	/usr/bin/python3 docs/site/check_site.py build/docs/html
+	@echo "Open build/docs/html/index.html"
 
 # Format, and headers that compile alone.
 check: $(BUILD)/build.ninja

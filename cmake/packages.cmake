@@ -14,6 +14,10 @@ install(DIRECTORY ${manual}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPON
 install(FILES ${manual}/completions/heartgen DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
   COMPONENT program OPTIONAL)
 
+# `make docs`: what the recipe reference is made of.
+add_executable(heartgen_default_recipe EXCLUDE_FROM_ALL docs/site/default_recipe.cpp)
+target_link_libraries(heartgen_default_recipe PRIVATE heartgen_model)
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME heartgen)
 set(CPACK_PACKAGE_VENDOR "heartgen")

@@ -8,7 +8,8 @@ KEY = re.compile(r"^(\w+) = (.*?)(?:  # (.*))?$")
 STRUCT = re.compile(r"((?:^/// .*\n)+)struct (\w+) \{", re.MULTILINE)
 MEMBER = re.compile(r"^  (?:std::vector<)?(\w+)>? (\w+)\W", re.MULTILINE)
 TOP = {"name": "of the model, for its citation", "version": "of the model", "license": "of the bundle",
-       "author": "for the citation; `;` between several", "date_published": "YYYY-MM-DD, the only date in a bundle",
+       "author": "for the citation; `;` between several", "attribution": "whose scan and atlas the model is made from",
+       "date_published": "YYYY-MM-DD, the only date in a bundle",
        "synthetic_image": "the CT is a phantom: the report says so"}
 FREE = {"labels.regions": 'A region\'s name and what means it: `lv_blood = [500, "left ventricle"]`, values or names. They go '
                           "before the preset.",

@@ -354,7 +354,6 @@ int mesh_command(const MeshCommand& command) {
     std::fflush(stderr);
   };
   LabelVolume labels = labels_to_mesh(command);
-  if (!command.walls) mesh::cut_at_ends(labels);
   pipeline::check_memory(labels, settings, memory_bytes());
   Volume<float> own_edges_mm;
   if (!command.size_field.empty()) own_edges_mm = adapters::read_image(command.size_field);
@@ -369,6 +368,7 @@ int mesh_command(const MeshCommand& command) {
     fidelity = pipeline::check_fidelity(name, mesh, walls, bounds);
   } else {
     mesh = mesh::mesh_labels(labels, settings, &steps, edges);
+    mesh::cut_at_ends(labels);
     fidelity = pipeline::check_fidelity(name, mesh, labels, settings, bounds);
   }
   require_cells(mesh, settings, command.labels);

@@ -14,9 +14,10 @@ namespace heartgen::mesh {
 
 /// A cut: what lies beyond the plane, and within `reach_mm` of the tip, is removed.
 struct VesselEnd {
-  Vec3 center_mm;       ///< where the axis meets the cut plane
-  Vec3 normal;          ///< unit, along the axis, out of the vessel
-  double reach_mm = 0;  ///< radius around `center_mm` in which the plane cuts
+  Vec3 center_mm;        ///< where the axis meets the cut plane
+  Vec3 normal;           ///< unit, along the axis, out of the vessel
+  double reach_mm = 0;   ///< radius around `center_mm` in which the plane cuts
+  double radius_mm = 0;  ///< of the usual section near it
 };
 
 /// Tips of the branches of a tubular mask, from cranial to caudal. Tips are the local maxima of the geodesic distance

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <queue>
 #include <utility>
 
-#include "generator/image/gaussian.hpp"
 #include "generator/image/sections.hpp"
 #include "generator/mesh/mesh_vessel.hpp"
 #include "model/quantile.hpp"
@@ -203,6 +204,7 @@ VesselEnd end_of_branch(const Lumen& lumen, const std::vector<const Shell*>& bra
   VesselEnd end;
   end.center_mm = branch[cut]->center_mm;
   end.normal = axis_of(branch, cut, axis_length_radii * radius, thickness);
+  end.radius_mm = radius;
   for (std::size_t i = 0; i <= cut; ++i)
     for (const auto voxel : branch[i]->voxels)
       end.reach_mm = std::max(end.reach_mm, norm(lumen.lps(voxel) - end.center_mm));
@@ -276,7 +278,7 @@ double usual_area_mm2(const std::vector<image::Section>& sections) {
 VesselEnd turned_across_sections(const Volume<float>& lumen, VesselEnd end) {
   constexpr int rounds = 4;
   constexpr double least_share = 0.75, greatest_share = 1.4;  // of the usual area: neither cut off nor a chamber's
-  const double radius = end.reach_mm / 1.5, length = axis_length_radii * radius;
+  const double length = axis_length_radii * end.radius_mm;
   for (int round = 0; round < rounds; ++round) {
     auto sections = sections_along(lumen, end, -length, 0);
     if (sections.empty()) return end;
@@ -298,22 +300,52 @@ VesselEnd turned_across_sections(const Volume<float>& lumen, VesselEnd end) {
   return end;
 }
 
-/// The plane moved along its axis to where the section is nearly whole for the last time.
+/// The plane moved along its axis to where the section is whole for the last time: farther in than the first guess
+/// where the tip is cut obliquely, farther out where it is not.
 VesselEnd moved_to_last_section(const Volume<float>& lumen, VesselEnd end) {
-  constexpr double step_mm = 0.25, whole = 0.9, inwards_radii = 1, outwards_radii = 2;
-  const double radius = end.reach_mm / 1.5;
-  const auto own = sections_along(lumen, end, -inwards_radii * radius, 0);
+  constexpr double step_mm = 0.25, whole = 0.97, inwards_radii = 2.5, outwards_radii = 2;
+  constexpr std::size_t averaged = 5;
+  const auto own = sections_along(lumen, end, -inwards_radii * end.radius_mm, -end.radius_mm);
   if (own.empty()) return end;
   const double usual = usual_area_mm2(own);
-  double last = 0;
-  for (double along = step_mm; along <= outwards_radii * radius; along += step_mm) {
+  // Areas are counted in pixels: the mean of neighbouring sections decides.
+  std::deque<double> latest;
+  double last = -end.radius_mm;
+  for (double along = last; along <= outwards_radii * end.radius_mm; along += step_mm) {
     const auto found = image::section_at(lumen, end.center_mm + along * end.normal, end.normal, section_search_mm);
-    if (!found || found->area_mm2 < whole * usual) break;
-    last = along;
+    if (!found) break;
+    latest.push_back(found->area_mm2);
+    if (latest.size() > averaged) latest.pop_front();
+    if (std::accumulate(latest.begin(), latest.end(), 0.0) >= whole * usual * static_cast<double>(latest.size()))
+      last = along - 0.5 * step_mm * static_cast<double>(latest.size() - 1);
   }
-  end.reach_mm += last;
   end.center_mm += last * end.normal;
   return end;
+}
+
+/// How far from the plane's centre the tip beyond it reaches.
+double reach_of_tip(const Lumen& lumen, const VesselEnd& end) {
+  const auto& s = lumen.grid.spacing_mm;
+  const double voxel = std::max({s.x, s.y, s.z});
+  const auto beyond = [&](std::int32_t v) { return dot(lumen.lps(v) - end.center_mm, end.normal); };
+  double reach = 1.5 * end.radius_mm;
+  std::vector<std::uint8_t> is_seen(lumen.voxels.size(), 0);
+  std::vector<std::int32_t> tip;
+  for (std::int32_t v = 0; v < static_cast<std::int32_t>(lumen.voxels.size()); ++v)
+    if (beyond(v) > 0 && beyond(v) < 2 * voxel && norm(lumen.lps(v) - end.center_mm) < reach) {
+      is_seen[static_cast<std::size_t>(v)] = 1;
+      tip.push_back(v);
+    }
+  for (std::size_t next = 0; next < tip.size(); ++next) {
+    reach = std::max(reach, norm(lumen.lps(tip[next]) - end.center_mm));
+    for_neighbours(lumen, tip[next], [&](std::int32_t other, double) {
+      auto& seen = is_seen[static_cast<std::size_t>(other)];
+      if (seen || beyond(other) <= 0) return;
+      seen = 1;
+      tip.push_back(other);
+    });
+  }
+  return reach + voxel;
 }
 
 }  // namespace
@@ -329,9 +361,10 @@ std::vector<VesselEnd> find_vessel_ends(const Mask& mask, const Mask& start) {
   auto ends = tips_from(lumen, geodesic_distance(lumen, sources), shell_thickness(mask.grid)).ends;
   Volume<float> sampled(mask.grid);
   std::copy(mask.voxels.begin(), mask.voxels.end(), sampled.voxels.begin());
-  const auto& s = mask.grid.spacing_mm;
-  sampled = image::gaussian(sampled, 0.7 * std::max({s.x, s.y, s.z}));  // meshes round the vessel's own end as much
-  for (auto& end : ends) end = moved_to_last_section(sampled, turned_across_sections(sampled, end));
+  for (auto& end : ends) {
+    end = moved_to_last_section(sampled, turned_across_sections(sampled, end));
+    end.reach_mm = reach_of_tip(lumen, end);
+  }
   return ends;
 }
 

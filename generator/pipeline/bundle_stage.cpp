@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "generator/mesh/heart_ends.hpp"
 #include "generator/mesh/insulation.hpp"
 #include "generator/pipeline/mesh_certificate.hpp"
 #include "generator/pipeline/mesh_stages.hpp"
@@ -96,10 +97,10 @@ validation::RegistrationFigures registration_figures(const fibers::FiberResult& 
           figures.edge_p50_mm};
 }
 
-Report all_metrics(const Build& b, const Meshes& meshes, const validation::FacesOfMeshes& faces) {
+Report all_metrics(const Build& b, const LabelVolume& labels, const Meshes& meshes,
+                   const validation::FacesOfMeshes& faces) {
   const Recipe& recipe = b.recipe;
   const CtVolume& ct = *b.ct;
-  const LabelVolume& labels = b.labels();
   const auto bounds = bounds_of(recipe);
   const auto figures =
       recipe.fibers.method == "rule" ? validation::RegistrationFigures{} : registration_figures(*b.fibers);
@@ -171,15 +172,28 @@ exporters::Bundle describe_bundle(const Build& b) {
   return bundle;
 }
 
+/// The label map of a bundle ends where its meshes do. What that takes from given labels is told.
+Notes end_arteries(const Build& b, LabelVolume& labels) {
+  Notes notes;
+  for (const auto& [artery, ml] : mesh::cut_at_ends(labels))
+    if (b.has_labels() && labels::holds(*b.given, artery))
+      notes.push_back({"labels.ends", WarningLevel::note,
+                       fmt::format("Of the given {}, {:.2g} ml lie beyond its flat end and are no part of it here.",
+                                   region_name(tag(artery)), ml)});
+  return notes;
+}
+
 exporters::Bundle make_bundle(const Build& b, PartClock& clock) {
   auto bundle = describe_bundle(b);
+  const Notes ended = end_arteries(b, bundle.labels);
   const Report painted = paint_meshes(bundle.meshes, b.regions, b.recipe);
   const auto faces = validation::faces_of_meshes(bundle.meshes);
-  Report rows = all_metrics(b, bundle.meshes, faces);
+  Report rows = all_metrics(b, bundle.labels, bundle.meshes, faces);
   append(rows, painted);
   insulate(bundle.meshes, mesh::insulation_named(b.recipe.mesh.insulation));
   append(rows, validation::check_insulation(bundle.meshes, b.recipe.mesh.insulation != "none"));
   Notes notes = all_notes(b);
+  notes.insert(notes.end(), ended.begin(), ended.end());
   if (auto text = validation::remark_on_jumps(rows); !text.empty())
     notes.push_back({"fibers.too_coarse", WarningLevel::warning, std::move(text)});
   bundle.certificate =

@@ -19,7 +19,6 @@
 #include "generator/labels/judge.hpp"
 #include "generator/landmarks/judge.hpp"
 #include "generator/landmarks/search.hpp"
-#include "generator/mesh/heart_ends.hpp"
 #include "generator/pde/diffusion.hpp"
 #include "generator/pde/hierarchy.hpp"
 #include "generator/pipeline/check_inputs.hpp"
@@ -300,16 +299,8 @@ Noted<LabelVolume> make_body(const Build& b) {
 }
 
 Noted<LabelVolume> make_labels(const Build& b) {
-  auto labels =
-      makes_parts(b) ? labels::with_all_given(anatomy::fuse_labels(*b.chambers, *b.walls, *b.body), b.kept) : *b.given;
-  Notes notes;
-  for (const auto& [artery, ml] : mesh::cut_at_ends(labels))
-    if (b.has_labels() &&
-        std::find(b.given->voxels.begin(), b.given->voxels.end(), tag(artery)) != b.given->voxels.end())
-      notes.push_back({"labels.ends", WarningLevel::note,
-                       fmt::format("Of the given {}, {:.2g} ml lie beyond its flat end and are no part of it here.",
-                                   region_name(tag(artery)), ml)});
-  return {std::move(labels), std::move(notes)};
+  if (!makes_parts(b)) return {*b.given};
+  return {labels::with_all_given(anatomy::fuse_labels(*b.chambers, *b.walls, *b.body), b.kept)};
 }
 
 /// On which chambers and body depend.

@@ -32,6 +32,7 @@ MeshSettings coarse() {
 
 // The aorta leaves the left ventricle along an axis that no axis of the grid is near, and is cut across it.
 const Vec3 aorta_axis = normalized({1, 0.2, -0.8});
+constexpr double voxel_mm = 1.25;
 constexpr double aorta_radius = 5, aorta_length = 29;
 const double aorta_start =
     std::sqrt(14.0 * 14 - aorta_radius * aorta_radius);  // its orifice in the ball's face is flat
@@ -53,7 +54,7 @@ Region openings_heart(const Vec3& p) {
 }
 
 LabelVolume openings_labels(bool with_torso) {
-  auto labels = label_cube(56, 1.25, openings_heart);
+  auto labels = label_cube(56, voxel_mm, openings_heart);
   return with_torso ? labels : mesh::heart_only(labels);
 }
 
@@ -101,7 +102,8 @@ TEST_P(Openings, TheAortaEndsInAFlatSurfaceWithARim) {
     }
     const double exact = std::numbers::pi * aorta_radius * aorta_radius;
     EXPECT_NEAR(area, exact, 0.12 * exact) << name;
-    EXPECT_NEAR(highest, aorta_length, 1.5) << name;
+    EXPECT_LT(highest, aorta_length) << name;
+    EXPECT_GT(highest, aorta_length - 1.5 * voxel_mm) << name << ": where the section is whole for the last time";
     EXPECT_LT(highest - lowest, 2 * aorta_radius * 0.2) << name;  // its plane is a few degrees off
     const auto rim =
         std::find_if(mesh.rims.begin(), mesh.rims.end(), [](const Rim& r) { return r.name == "aorta_end_rim"; });

@@ -273,6 +273,16 @@ class StagesByHand : public EndToEnd {
     }
     return 2 * static_cast<double>(both) / static_cast<double>(sum);
   }
+  static bool is_artery(Region region) { return region == Region::aorta || region == Region::pulmonary_artery; }
+  /// Voxels with another label than given; the tips of arteries beyond their flat ends, a small part of them, do not
+  /// count.
+  static std::size_t changed_beside_tips(const LabelVolume& result, const LabelVolume& given) {
+    std::size_t changed = 0;
+    for (std::size_t v = 0; v < given.voxels.size(); ++v)
+      changed += result.voxels[v] != given.voxels[v] && !is_artery(static_cast<Region>(given.voxels[v]));
+    for (const Region artery : {Region::aorta, Region::pulmonary_artery}) EXPECT_GE(dice(result, given, artery), 0.95);
+    return changed;
+  }
 };
 
 TEST_F(StagesByHand, KeptFilesGivenBackChangeNothingAndCorrectedOnesAreUsed) {
@@ -297,8 +307,6 @@ TEST_F(StagesByHand, KeptFilesGivenBackChangeNothingAndCorrectedOnesAreUsed) {
   EXPECT_NE(testing::text_of(folder() + "/by_hand/recipe.toml").find("chambers = \"corrected.nii.gz\""),
             std::string::npos);
 }
-
-bool is_artery(Region region) { return region == Region::aorta || region == Region::pulmonary_artery; }
 
 TEST_F(StagesByHand, ChambersFromElsewhereGetTheirWallsFromTheCt) {
   const LabelVolume truth = labels("phantom/truth/labels.nii.gz");
@@ -338,11 +346,8 @@ TEST_F(StagesByHand, LabelsWithoutACt) {
   std::ofstream(folder() + "/no_ct.toml") << quick;
   const auto told = build("no_ct.toml --labels phantom/truth/labels.nii.gz --no-cache");
   const auto result = labels("by_hand/images/labels.nii.gz"), truth = labels("phantom/truth/labels.nii.gz");
-  std::size_t dropped = 0;
-  for (std::size_t v = 0; v < truth.voxels.size(); ++v)
-    dropped += result.voxels[v] != truth.voxels[v] && !is_artery(static_cast<Region>(truth.voxels[v]));
-  for (const Region artery : {Region::aorta, Region::pulmonary_artery}) EXPECT_GE(dice(result, truth, artery), 0.95);
-  EXPECT_NE(told.find("beyond its flat end"), std::string::npos) << told;
+  const std::size_t dropped = changed_beside_tips(result, truth);
+  EXPECT_NE(manifest("by_hand")["warnings"].dump().find("beyond its flat end"), std::string::npos);
   EXPECT_LE(dropped, 4U) << "voxels of the thin atrial walls stand alone in the truth";
   EXPECT_EQ(dropped > 0, told.find("were dropped") != std::string::npos) << told;
 }
@@ -358,7 +363,7 @@ TEST_F(StagesByHand, LabelsOfAFileStayWhereNothingWasMeasured) {
   adapters::write_volume(folder() + "/padded.nrrd", ct);
   write_recipe("padded.toml", "[replace]\nlabels = \"phantom/truth/labels.nii.gz\"\n");
   build("padded.toml --ct padded.nrrd --no-cache");
-  EXPECT_EQ(labels("by_hand/images/labels.nii.gz").voxels, labels("phantom/truth/labels.nii.gz").voxels);
+  EXPECT_EQ(changed_beside_tips(labels("by_hand/images/labels.nii.gz"), labels("phantom/truth/labels.nii.gz")), 0U);
   EXPECT_NE(testing::text_of(folder() + "/by_hand/validation/report.html").find("holds -2000 HU"), std::string::npos);
 }
 

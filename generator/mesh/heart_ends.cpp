@@ -26,13 +26,14 @@ constexpr std::array<Artery, 2> arteries{
 /// An artery on a grid around it, and its voxels beside its ventricle.
 struct ArteryMasks {
   Mask lumen, start;
+  Index3 begin{};  ///< of the part in the whole grid
 };
 
 ArteryMasks masks_of(const LabelVolume& labels, const Artery& artery) {
   const auto box = bounding_box(labels, 2, [&](std::uint8_t label) { return label == tag(artery.region); });
   if (box.empty()) return {};
   const auto part = crop(labels, box);
-  ArteryMasks masks{Mask(part.grid), Mask(part.grid)};
+  ArteryMasks masks{Mask(part.grid), Mask(part.grid), box.begin};
   const auto& size = part.grid.size;
   for (std::int64_t k = 0; k < size[2]; ++k)
     for (std::int64_t j = 0; j < size[1]; ++j)
@@ -47,6 +48,18 @@ ArteryMasks masks_of(const LabelVolume& labels, const Artery& artery) {
   return masks;
 }
 
+/// An end in the frame of a part of the grid that begins at `begin`, in the grid's own frame and in LPS.
+HeartEnd placed_end(const Grid& grid, const Index3& begin, const VesselEnd& in_part) {
+  HeartEnd end;
+  end.own = in_part;
+  for (int axis = 0; axis < 3; ++axis)
+    end.own.center_mm[axis] += static_cast<double>(begin[static_cast<std::size_t>(axis)]) * grid.spacing_mm[axis];
+  end.plane = end.own;
+  end.plane.center_mm = grid.origin_mm + grid.direction * end.own.center_mm;
+  end.plane.normal = grid.direction * end.own.normal;
+  return end;
+}
+
 /// Whether the image ends within the plane's reach: the vessel goes on there.
 bool is_at_border(const Grid& grid, const VesselEnd& end) {
   const Vec3 index = index_from_lps(grid, end.center_mm);
@@ -57,11 +70,12 @@ bool is_at_border(const Grid& grid, const VesselEnd& end) {
   return false;
 }
 
-double beyond_mm(const VesselEnd& end, const Vec3& lps_mm) { return dot(lps_mm - end.center_mm, end.normal); }
+/// Both in one frame.
+double beyond_mm(const VesselEnd& end, const Vec3& at_mm) { return dot(at_mm - end.center_mm, end.normal); }
 
 /// Within the ball around a plane's centre where it cuts.
-bool is_near(const VesselEnd& end, const Vec3& lps_mm, double stub_mm) {
-  return norm(lps_mm - end.center_mm) <= end.reach_mm + stub_mm;
+bool is_near(const VesselEnd& end, const Vec3& at_mm, double stub_mm) {
+  return norm(at_mm - end.center_mm) <= end.reach_mm + stub_mm;
 }
 
 struct Cut {
@@ -70,47 +84,44 @@ struct Cut {
   double stub_mm;
   int surroundings;  ///< what a vessel is beyond its stub
 
-  Vec3 lps(const Vec3& p) const {
+  // All points are in the grid's own frame.
+  Vec3 index_of(const Vec3& p) const {
     const Vec3& s = domain->grid.spacing_mm;
-    return lps_from_index(domain->grid, {p.x / s.x, p.y / s.y, p.z / s.z});
+    return {p.x / s.x, p.y / s.y, p.z / s.z};
   }
   /// The end behind whose plane a point lies; nullptr: none.
-  const HeartEnd* end_before(const Vec3& lps_mm) const {
+  const HeartEnd* end_before(const Vec3& p) const {
     for (const auto& end : *ends)
-      if (beyond_mm(end.plane, lps_mm) > 0 && is_near(end.plane, lps_mm, stub_mm)) return &end;
+      if (beyond_mm(end.own, p) > 0 && is_near(end.own, p, stub_mm)) return &end;
     return nullptr;
   }
   /// On the plane, below a point beyond it.
-  static Vec3 foot(const HeartEnd& end, const Vec3& lps_mm) {
-    return lps_mm - beyond_mm(end.plane, lps_mm) * end.plane.normal;
-  }
-  bool is_vessel(const HeartEnd& end, const Vec3& lps_mm) const {
-    return region_at(*domain, index_from_lps(domain->grid, lps_mm)) == tag(end.vessel);
+  static Vec3 foot(const HeartEnd& end, const Vec3& p) { return p - beyond_mm(end.own, p) * end.own.normal; }
+  bool is_vessel(const HeartEnd& end, const Vec3& p) const {
+    return region_at(*domain, index_of(p)) == tag(end.vessel);
   }
 
   int label_at(const Vec3& p, int label) const {
-    const Vec3 at = lps(p);
-    const auto* end = end_before(at);
+    const auto* end = end_before(p);
     if (end == nullptr) return label;
     const bool has_room = label == tag(end->vessel) || (bulk_bits >> label & 1) != 0;  // other parts of the heart stay
-    if (has_room && beyond_mm(end->plane, at) < stub_mm && is_vessel(*end, foot(*end, at))) return artery_stub_label;
+    if (has_room && beyond_mm(end->own, p) < stub_mm && is_vessel(*end, foot(*end, p))) return artery_stub_label;
     return label == tag(end->vessel) ? surroundings : label;
   }
 
-  const HeartEnd& end_of(const Vec3& lps_mm) const {
+  const HeartEnd& end_of(const Vec3& p) const {
     return *std::min_element(ends->begin(), ends->end(), [&](const HeartEnd& a, const HeartEnd& b) {
-      return norm(lps_mm - a.plane.center_mm) - a.plane.reach_mm < norm(lps_mm - b.plane.center_mm) - b.plane.reach_mm;
+      return norm(p - a.own.center_mm) - a.own.reach_mm < norm(p - b.own.center_mm) - b.own.reach_mm;
     });
   }
 
   /// The stub's side or its far end, whichever is nearer.
-  tetmesh::Equation around_stub(const HeartEnd& end, const Vec3& lps_mm) const {
-    const Vec3 along = transposed(domain->grid.direction) * end.plane.normal;
+  tetmesh::Equation around_stub(const HeartEnd& end, const Vec3& p) const {
+    const Vec3& along = end.own.normal;
     std::array<SurfaceEquation, 1> wall;
-    mesh::equations_at(*domain, tetmesh::bit_of(tag(end.vessel)) | tetmesh::bit_of(0),
-                       index_from_lps(domain->grid, foot(end, lps_mm)), wall);
+    mesh::equations_at(*domain, tetmesh::bit_of(tag(end.vessel)) | tetmesh::bit_of(0), index_of(foot(end, p)), wall);
     const Vec3 gradient = wall[0].gradient - dot(wall[0].gradient, along) * along;
-    const double to_end = beyond_mm(end.plane, lps_mm) - stub_mm;
+    const double to_end = beyond_mm(end.own, p) - stub_mm;
     const bool is_end = std::abs(to_end) < std::abs(wall[0].value) / std::max(norm(gradient), 1e-12);
     return is_end ? tetmesh::Equation{to_end, along} : tetmesh::Equation{wall[0].value, gradient};
   }
@@ -120,16 +131,15 @@ struct Cut {
                    const Base& base) const {
     const auto stub = tetmesh::bit_of(artery_stub_label);
     if ((labels & stub) == 0) return base(labels, p, equations);
-    const Vec3 at = lps(p);
-    const auto& end = end_of(at);
+    const auto& end = end_of(p);
     const auto vessel = tetmesh::bit_of(tag(end.vessel));
     const auto rest = labels & ~stub;
     if (equations.empty() || rest == 0) return 0;
     if ((rest & (vessel | bulk_bits)) == 0) return base(rest | tetmesh::bit_of(surroundings), p, equations);
     if ((labels & vessel) != 0)
-      equations[0] = {beyond_mm(end.plane, at), transposed(domain->grid.direction) * end.plane.normal};
+      equations[0] = {beyond_mm(end.own, p), end.own.normal};
     else
-      equations[0] = around_stub(end, at);
+      equations[0] = around_stub(end, p);
     return 1 + (std::popcount(rest) > 1 ? base(rest, p, equations.subspan(1)) : 0);
   }
 };
@@ -141,14 +151,18 @@ std::vector<HeartEnd> find_heart_ends(const LabelVolume& labels) {
   for (const auto& artery : arteries) {
     const auto masks = masks_of(labels, artery);
     if (masks.lumen.voxels.empty()) continue;
-    auto planes = find_vessel_ends(masks.lumen, masks.start);
-    std::erase_if(planes, [&](const VesselEnd& end) { return is_at_border(labels.grid, end); });
-    std::stable_sort(planes.begin(), planes.end(),
-                     [](const VesselEnd& a, const VesselEnd& b) { return a.center_mm.x > b.center_mm.x; });
+    std::vector<HeartEnd> found;
+    for (const auto& end : find_vessel_ends(masks.lumen, masks.start))
+      if (const auto placed = placed_end(labels.grid, masks.begin, end); !is_at_border(labels.grid, placed.plane))
+        found.push_back(placed);
+    std::stable_sort(found.begin(), found.end(),
+                     [](const HeartEnd& a, const HeartEnd& b) { return a.plane.center_mm.x > b.plane.center_mm.x; });
     const auto alone = *surface_from_name(region_name(tag(artery.region)) + "_end");
-    for (std::size_t e = 0; e < planes.size(); ++e)
-      all.push_back({artery.region,
-                     planes.size() == 1 ? alone : end_surface_tag(artery.region, static_cast<int>(e) + 1), planes[e]});
+    for (std::size_t e = 0; e < found.size(); ++e) {
+      found[e].vessel = artery.region;
+      found[e].surface = found.size() == 1 ? alone : end_surface_tag(artery.region, static_cast<int>(e) + 1);
+      all.push_back(found[e]);
+    }
   }
   return all;
 }
@@ -166,10 +180,10 @@ std::map<Region, double> cut_at_ends(LabelVolume& labels) {
       for (std::int64_t i = 0; i < size[0]; ++i, ++v) {
         const auto vessel = static_cast<Region>(labels.voxels[v]);
         if (vessel != Region::aorta && vessel != Region::pulmonary_artery) continue;
-        const Vec3 at =
-            lps_from_index(labels.grid, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        const Vec3& s = labels.grid.spacing_mm;
+        const Vec3 at{s.x * static_cast<double>(i), s.y * static_cast<double>(j), s.z * static_cast<double>(k)};
         const bool is_beyond = std::any_of(ends.begin(), ends.end(), [&](const HeartEnd& end) {
-          return end.vessel == vessel && beyond_mm(end.plane, at) > 0 && is_near(end.plane, at, 0);
+          return end.vessel == vessel && beyond_mm(end.own, at) > 0 && is_near(end.own, at, 0);
         });
         if (!is_beyond) continue;
         labels.voxels[v] = surroundings;
@@ -208,12 +222,12 @@ std::int64_t put_on_planes(tetmesh::Complex& c, const MeshDomain& domain, const 
       const auto* end = nearest_end(ends, artery.region, at);
       if ((c.bits(node) & tetmesh::bit_of(tag(artery.region))) == 0 || end == nullptr) continue;
       const double before = tetmesh::worst_quality(c, c.star(node));
-      const double beyond = beyond_mm(end->plane, at);
+      const double beyond = beyond_mm(end->own, old);
       const auto move_to = [&](const Vec3& p) {
         c.nodes_mm[n] = p;
         for (const auto t : c.star(node)) tetmesh::update_quality(c, t);
       };
-      move_to(old - beyond * (transposed(domain.grid.direction) * end->plane.normal));
+      move_to(old - beyond * end->own.normal);
       const bool fits = tetmesh::worst_quality(c, c.star(node)) >= std::min(before, min_quality);
       c.frozen[n] = fits ? 1 : 0;
       if (!fits) move_to(old);

@@ -18,6 +18,7 @@ struct HeartEnd {
   Region vessel = Region::none;
   std::int32_t surface = 0;  ///< its tag
   VesselEnd plane;
+  VesselEnd own;  ///< the same in the grid's own frame, mm from voxel (0, 0, 0): a turned image has the same bits
 };
 
 /// Ends of aorta and pulmonary artery away from their ventricles, but for those at the border of the image. One that is

@@ -25,7 +25,8 @@ struct VesselEnd {
 std::vector<VesselEnd> find_vessel_ends(const Mask& lumen);
 
 /// The same of the branches that lead away from the voxels of `start`, which has no end there; with planes as far out
-/// as the section is whole, which in a vessel that is cut flat is at the cut.
+/// as the section is whole, which in a vessel that is cut flat is at the cut. In the mask's own frame, mm along its
+/// axes from voxel (0, 0, 0): a turned image has the same bits.
 std::vector<VesselEnd> find_vessel_ends(const Mask& lumen, const Mask& start);
 
 /// `vessel` is Region::trachea (edge settings.trachea_edge_mm) or Region::carotid (settings.carotid_edge_mm). Faces:

@@ -350,7 +350,10 @@ double reach_of_tip(const Lumen& lumen, const VesselEnd& end) {
 
 }  // namespace
 
-std::vector<VesselEnd> find_vessel_ends(const Mask& mask, const Mask& start) {
+std::vector<VesselEnd> find_vessel_ends(const Mask& given, const Mask& start) {
+  Mask mask = given;
+  mask.grid.origin_mm = {};
+  mask.grid.direction = Grid{}.direction;
   const auto lumen = make_lumen(mask);
   std::vector<std::int32_t> sources;
   for (std::size_t v = 0; v < lumen.voxels.size(); ++v) {

@@ -471,6 +471,12 @@ const Expected& ungated_chest_ct() {
 TEST(RealScans, UngatedChestCtWithStreaks) { expect_in_file(ungated_chest_ct()); }
 
 /// With less contrast the whole image's threshold lets muscle join the chambers.
+std::string all(const std::vector<std::string>& sentences) {
+  std::string text;
+  for (const auto& sentence : sentences) text += sentence + "; ";
+  return text;
+}
+
 /// Unmixed blood is left out of the right atrium: where a second search finds more of it the result is not sure.
 void expect_sure_but_for_the_right_atrium(const FoundLandmarks& found) {
   const bool is_disputed = std::any_of(found.warnings.begin(), found.warnings.end(), [](const auto& warning) {
